@@ -1,0 +1,189 @@
+//! Projects and scenes on disk: the only reader and writer of both.
+//!
+//! ```text
+//! project.ron          settings
+//! scenes/NAME.ron      one scene each
+//! assets/              imported files, as they came
+//! baked/NAME/          what the baker made; safe to delete
+//! ```
+//! Text is RON, versioned, stable in order; a save writes a new file beside the old one, syncs it, and
+//! renames it over the old one.
+
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::{Scene, SceneError};
+
+/// Of both kinds of file. Older versions are read, newer ones are refused.
+pub const VERSION: u32 = 1;
+
+/// `project.ron`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Project {
+    pub version: u32,
+    /// Opened when no scene is named.
+    pub default_scene: String,
+    #[serde(default)]
+    pub bake: BakeSettings,
+}
+
+/// How the project's scenes are baked where the command line says nothing.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BakeSettings {
+    #[serde(default)]
+    pub quality: Quality,
+    /// Rays a row, instead of the quality's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rays: Option<u32>,
+    /// Metres, instead of the quality's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub patch_length: Option<f64>,
+    /// Metres by scene and quality ("cornell/draft"), fixed at the first bake so that an edit moves no
+    /// patch that it does not touch.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub base_length: BTreeMap<String, f64>,
+    /// Bake closed rooms of albedo 1 as authored, however long their light bounces.
+    #[serde(default, skip_serializing_if = "super::entity::is_false")]
+    pub unlimited_gain: bool,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Quality {
+    Draft,
+    #[default]
+    Standard,
+    Fine,
+}
+
+impl std::fmt::Display for Quality {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Draft => "draft",
+            Self::Standard => "standard",
+            Self::Fine => "fine",
+        })
+    }
+}
+
+impl Default for Project {
+    fn default() -> Self {
+        Self { version: VERSION, default_scene: "main".to_owned(), bake: BakeSettings::default() }
+    }
+}
+
+/// `scenes/NAME.ron`: the version, then the scene.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SceneFile {
+    version: u32,
+    scene: Scene,
+}
+
+pub fn project_path(project: &Path) -> PathBuf {
+    project.join("project.ron")
+}
+
+pub fn scene_path(project: &Path, name: &str) -> PathBuf {
+    project.join("scenes").join(format!("{name}.ron"))
+}
+
+/// Where the bake of a scene lies.
+pub fn baked_dir(project: &Path, name: &str) -> PathBuf {
+    project.join("baked").join(name)
+}
+
+pub fn load_project(project: &Path) -> Result<Project, SceneError> {
+    let path = project_path(project);
+    if !path.is_file() {
+        return Err(SceneError::File {
+            path: project.to_owned(),
+            message: "is not a project: it has no project.ron; `hohlraum-bake new` makes one".to_owned(),
+        });
+    }
+    let loaded: Project = read(&path)?;
+    known_version(&path, loaded.version)?;
+    Ok(loaded)
+}
+
+pub fn save_project(project: &Path, settings: &Project) -> Result<(), SceneError> {
+    write(&project_path(project), settings)
+}
+
+pub fn load_scene(project: &Path, name: &str) -> Result<Scene, SceneError> {
+    let path = scene_path(project, name);
+    if !path.is_file() {
+        let names = scene_names(project)?.join(", ");
+        let message = format!("the project has no scene `{name}`; it has: {names}");
+        return Err(SceneError::File { path, message });
+    }
+    let loaded: SceneFile = read(&path)?;
+    known_version(&path, loaded.version)?;
+    loaded.scene.validate()?;
+    Ok(loaded.scene)
+}
+
+pub fn save_scene(project: &Path, name: &str, scene: &Scene) -> Result<(), SceneError> {
+    write(&scene_path(project, name), &SceneFile { version: VERSION, scene: scene.clone() })
+}
+
+/// In alphabetical order.
+pub fn scene_names(project: &Path) -> Result<Vec<String>, SceneError> {
+    let folder = project.join("scenes");
+    let entries =
+        std::fs::read_dir(&folder).map_err(|source| SceneError::Io { path: folder.clone(), source })?;
+    let mut names: Vec<String> = entries
+        .filter_map(|entry| {
+            let path = entry.ok()?.path();
+            (path.extension()? == "ron").then(|| Some(path.file_stem()?.to_str()?.to_owned()))?
+        })
+        .collect();
+    names.sort();
+    Ok(names)
+}
+
+/// Writes beside `path`, syncs, renames: a reader sees the old file or the new one, never half of either.
+pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), SceneError> {
+    let failed = |source| SceneError::Io { path: path.to_owned(), source };
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    std::fs::create_dir_all(folder).map_err(failed)?;
+    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(failed)?;
+    file.write_all(bytes).map_err(failed)?;
+    file.as_file().sync_all().map_err(failed)?;
+    file.persist(path).map_err(|error| failed(error.error))?;
+    Ok(())
+}
+
+fn read<T: for<'a> Deserialize<'a>>(path: &Path) -> Result<T, SceneError> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|source| SceneError::Io { path: path.to_owned(), source })?;
+    ron::Options::default()
+        .with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME)
+        .from_str(&text)
+        .map_err(|error| SceneError::File { path: path.to_owned(), message: error.to_string() })
+}
+
+fn write<T: Serialize>(path: &Path, value: &T) -> Result<(), SceneError> {
+    let pretty = ron::ser::PrettyConfig::new()
+        .depth_limit(6)
+        .compact_arrays(true)
+        .extensions(ron::extensions::Extensions::IMPLICIT_SOME);
+    let mut text = ron::Options::default()
+        .to_string_pretty(value, pretty)
+        .map_err(|error| SceneError::File { path: path.to_owned(), message: error.to_string() })?;
+    text.push('\n');
+    write_atomically(path, text.as_bytes())
+}
+
+fn known_version(path: &Path, version: u32) -> Result<(), SceneError> {
+    if version <= VERSION {
+        return Ok(());
+    }
+    let message = format!("is of version {version}; this program reads up to {VERSION}: use a newer one");
+    Err(SceneError::File { path: path.to_owned(), message })
+}
