@@ -1,0 +1,76 @@
+//! What a bake says of itself: every statement with its number and its limit.
+
+use serde::{Deserialize, Serialize};
+
+/// Written into the bake and printed. Times, threads and texts lie outside the transport hash.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Certificate {
+    pub transport_hash: String,
+    pub quality: String,
+    /// Metres.
+    pub base_length: f64,
+    pub patches: usize,
+    pub receivers: usize,
+    pub probes: usize,
+    pub sky_patches: usize,
+    pub triangles: usize,
+    /// Entries of patch, receiver and probe rows.
+    pub entries: [usize; 3],
+    /// Traced for what is now in the file, and of those in this run.
+    pub rays: u64,
+    pub rays_traced: u64,
+    /// Of this run.
+    pub seconds: f64,
+    pub threads: usize,
+    /// Of everything in the file.
+    pub bytes: u64,
+    /// max over patches of |sum - target| of the stored rows; target: 1 less sky and lost.
+    pub row_sum_defect: f64,
+    /// max over patches of the sum beyond its target; never above 0.
+    pub row_sum_excess: f64,
+    /// The same before balancing: the noise that was there.
+    pub row_sum_defect_raw: f64,
+    /// max |A_i P_ij - A_j P_ji| / max A_i P_ij of the stored rows.
+    pub asymmetry: f64,
+    pub least_entry: f64,
+    /// Area mean of the share of light that is lost on back faces.
+    pub lost: f64,
+    /// Cavity gain w: max of (I - RP)^-1 1 over patches and channels, and the entity where it is.
+    pub cavity_gain: f64,
+    pub cavity_gain_entity: String,
+    /// Predicted noise of the irradiance at patches, relative: median and 95th percentile.
+    pub noise: [f64; 2],
+    /// Triangles dropped for having no area or repeated indices.
+    pub dropped_triangles: usize,
+    pub left_out: Vec<String>,
+    pub warnings: Vec<String>,
+}
+
+/// One line of [`Certificate::statements`].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Statement {
+    pub what: &'static str,
+    pub value: f64,
+    pub limit: f64,
+    pub holds: bool,
+}
+
+impl Certificate {
+    /// What `check` checks. A NaN never holds.
+    pub fn statements(&self) -> Vec<Statement> {
+        let at_most = |what, value: f64, limit: f64| Statement { what, value, limit, holds: value <= limit };
+        vec![
+            at_most("row sums miss their targets by", self.row_sum_defect, 2e-7),
+            at_most("row sums exceed their targets by", self.row_sum_excess, 0.0),
+            at_most("reciprocity is missed by", self.asymmetry, 1e-4),
+            at_most("least entry, negated", -self.least_entry, 0.0),
+            at_most("share of light lost on back faces", self.lost, 1.0),
+            at_most("cavity gain", self.cavity_gain, 1.001e4),
+        ]
+    }
+
+    pub fn holds(&self) -> bool {
+        self.statements().iter().all(|statement| statement.holds)
+    }
+}

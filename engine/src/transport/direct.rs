@@ -1,0 +1,1 @@
+//! Direct light from punctual lights, at points.

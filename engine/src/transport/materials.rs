@@ -1,0 +1,1 @@
+//! Albedo and emission of patches, from the scene's materials and pictures.

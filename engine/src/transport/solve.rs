@@ -1,0 +1,1 @@
+//! The linear system B = E + rho P B.
