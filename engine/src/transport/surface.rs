@@ -2,7 +2,7 @@
 //! entity and a material.
 
 use bytemuck::{Pod, Zeroable};
-use glam::{Vec2, Vec3, Vec4};
+use glam::{Vec2, Vec3};
 
 /// All vertices and triangles of the static scene, relative to the transport's origin, in metres.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -25,10 +25,10 @@ pub struct Vertex {
     pub position: Vec3,
     pub normal: Vec3,
     /// xyz and the bitangent's sign; zero where the mesh has none.
-    pub tangent: Vec4,
+    pub tangent: [f32; 4],
     pub uv: [Vec2; 2],
     /// Linear RGBA.
-    pub color: Vec4,
+    pub color: [f32; 4],
 }
 
 /// Irradiance at a vertex: the weighted mean of up to four receivers of its own surface; weights sum to 1
