@@ -160,8 +160,8 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), SceneError> {
 }
 
 fn read<T: for<'a> Deserialize<'a>>(path: &Path) -> Result<T, SceneError> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|source| SceneError::Io { path: path.to_owned(), source })?;
+    let text =
+        std::fs::read_to_string(path).map_err(|source| SceneError::Io { path: path.to_owned(), source })?;
     ron::Options::default()
         .with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME)
         .from_str(&text)

@@ -30,7 +30,10 @@ pub enum LightKind {
     Sun,
     Point,
     /// Half angles in radians: full inside `inner`, nothing outside `outer`.
-    Spot { inner: f32, outer: f32 },
+    Spot {
+        inner: f32,
+        outer: f32,
+    },
 }
 
 impl Default for Light {

@@ -31,7 +31,7 @@ pub use light_probes::LightProbeGroup;
 pub use material::{Albedo, Alpha, Emission, ImageSource, Material, MaterialId, Texture};
 pub use mesh::{Mesh, MeshSource};
 pub use motion::Motion;
-pub use reflection_probe::{Faces, Refresh, ReflectionProbe};
+pub use reflection_probe::{Faces, ReflectionProbe, Refresh};
 pub use sky::{Sky, SkyKind};
 pub use transform::{Transform, world_from_local};
 

@@ -78,10 +78,7 @@ pub fn world_from_local_of(scene: &Scene, parent_from_local: impl Fn(usize) -> D
 /// the sign of a mirror.
 pub fn normal_matrix(world_from_local: &DAffine3) -> DMat3 {
     let m = world_from_local.matrix3;
-    let cofactors = DMat3::from_cols(
-        m.y_axis.cross(m.z_axis),
-        m.z_axis.cross(m.x_axis),
-        m.x_axis.cross(m.y_axis),
-    );
+    let cofactors =
+        DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis));
     if m.determinant() < 0.0 { cofactors * -1.0 } else { cofactors }
 }
