@@ -6,6 +6,7 @@
 mod accessor;
 mod animation;
 mod json;
+mod lights;
 mod material;
 mod matrix;
 mod mesh;
@@ -32,6 +33,7 @@ pub struct Gltf {
 const SUPPORTED: &[&str] = &[
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
+    "KHR_materials_pbrSpecularGlossiness", // its diffuse part
     "KHR_materials_unlit",
     "KHR_texture_transform",
     "KHR_mesh_quantization", // accessors of all types are read anyway
@@ -50,7 +52,8 @@ pub fn open(project: &Path, file: &str, bytes: &[u8]) -> Result<Gltf, String> {
     check_head(&serde_json::from_slice(text).map_err(unread)?)?;
     let root: Root = serde_json::from_slice(text).map_err(unread)?;
     let buffers = (0..root.buffers.len()).map(|n| buffer(project, file, &root, n, blob));
-    let buffers = buffers.collect::<Result<_, _>>()?;
+    let buffers: Vec<Vec<u8>> = buffers.collect::<Result<_, _>>()?;
+    check_compression(&root, &buffers)?;
     Ok(Gltf { file: file.to_owned(), root, buffers })
 }
 
@@ -108,6 +111,28 @@ fn check_head(head: &Head) -> Result<(), String> {
         return Ok(());
     }
     Err(format!("requires {}, which cannot be read: export it again without", shortened(&unknown.join(", "))))
+}
+
+/// Exporters forget to require compression: where it is used, the plain bytes have to be there too.
+fn check_compression(root: &Root, buffers: &[Vec<u8>]) -> Result<(), String> {
+    let is_bare = |accessor: &usize| {
+        root.accessors
+            .get(*accessor)
+            .is_some_and(|accessor| accessor.buffer_view.is_none() && accessor.sparse.is_none())
+    };
+    let mut primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    let draco = primitives.any(|primitive| {
+        primitive.extensions.contains_key("KHR_draco_mesh_compression")
+            && primitive.attributes.values().any(is_bare)
+    });
+    let is_empty = |view: &json::BufferView| buffers.get(view.buffer).is_some_and(Vec::is_empty);
+    let meshopt = ["EXT_meshopt_compression", "KHR_meshopt_compression"].into_iter().find(|name| {
+        root.buffer_views.iter().any(|view| view.extensions.contains_key(*name) && is_empty(view))
+    });
+    match draco.then_some("KHR_draco_mesh_compression").or(meshopt) {
+        Some(name) => Err(format!("is compressed by {name}, which cannot be read: export it again without")),
+        None => Ok(()),
+    }
 }
 
 /// Extensions that the file uses without need and that are lost.

@@ -32,7 +32,7 @@ pub struct Imported {
 
 /// A file of meshes, open.
 enum Model {
-    Gltf(gltf::Gltf),
+    Gltf(Box<gltf::Gltf>),
     Obj(obj::Obj),
 }
 
@@ -108,7 +108,7 @@ fn open(project: &Path, file: &str) -> Result<Model, SceneError> {
     match ending.as_str() {
         "obj" if !bytes.starts_with(b"glTF") => obj::open(file, &bytes).map(Model::Obj).map_err(refused),
         _ if ending == "gltf" || ending == "glb" || gltf::recognises(&bytes) => {
-            gltf::open(project, file, &bytes).map(Model::Gltf).map_err(refused)
+            gltf::open(project, file, &bytes).map(|gltf| Model::Gltf(Box::new(gltf))).map_err(refused)
         }
         _ => Err(refused("is neither glTF, GLB nor OBJ".to_owned())),
     }

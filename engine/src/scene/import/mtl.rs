@@ -23,10 +23,10 @@ pub fn materials(text: &str, locate: impl Fn(&str) -> Result<String, String>) ->
         if keyword == "newmtl" {
             let material = Material { name: rest.to_owned(), ..Material::default() };
             materials.push(Authored { material, lost: Vec::new(), alpha_map: None });
-        } else if let Some(authored) = materials.last_mut() {
-            if let Err(message) = statement(authored, &keyword.to_ascii_lowercase(), rest, &locate) {
-                authored.lost.push(format!("`{keyword}` {message}"));
-            }
+        } else if let Some(authored) = materials.last_mut()
+            && let Err(message) = statement(authored, &keyword.to_ascii_lowercase(), rest, &locate)
+        {
+            authored.lost.push(format!("`{keyword}` {message}"));
         }
     }
     materials.iter_mut().for_each(finish);

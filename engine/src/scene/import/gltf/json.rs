@@ -87,6 +87,7 @@ pub struct Primitive {
     pub material: Option<usize>,
     pub mode: Option<u32>,
     pub targets: Vec<Value>,
+    pub extensions: Extensions,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -124,6 +125,7 @@ pub struct BufferView {
     pub byte_offset: u64,
     pub byte_length: u64,
     pub byte_stride: u64,
+    pub extensions: Extensions,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -312,4 +314,13 @@ pub struct Instancing {
 #[serde(default, rename_all = "camelCase")]
 pub struct EmissiveStrength {
     pub emissive_strength: Option<f32>,
+}
+
+/// KHR_materials_pbrSpecularGlossiness.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub struct SpecularGlossiness {
+    pub diffuse_factor: Option<[f32; 4]>,
+    pub diffuse_texture: Option<TextureInfo>,
+    pub glossiness_factor: Option<f32>,
 }

@@ -7,10 +7,10 @@ use glam::{DMat4, DQuat, DVec3, Vec3};
 
 use super::json::{self, Node, Root, extension, get};
 use super::mesh::{makes_triangles, mesh_name};
-use super::{Gltf, accessor, animation, lost_extensions, material, matrix};
+use super::{Gltf, accessor, animation, lights, lost_extensions, material, matrix};
 use crate::scene::{
-    Camera, Density, Entity, EntityId, Light, LightKind, MaterialId, MeshRenderer, MeshSource, Motion,
-    Projection, Reflection, Scene, Sky, SkyKind, Transform, Warning,
+    Density, Entity, EntityId, MaterialId, MeshRenderer, MeshSource, Motion, Reflection, Scene, Transform,
+    Warning,
 };
 
 /// The file's default scene, or its first, or all nodes, or all meshes: whichever is there.
@@ -27,7 +27,9 @@ pub fn scene(project: &Path, gltf: &Gltf) -> Result<(Scene, Vec<Warning>), Strin
         materials.push(material::default_material(default_id(gltf)));
     }
     made.warn_of_what_is_lost();
-    let sky = sky(&gltf.root).map_err(|message| format!("extras.sky_radiance: {message}"))?;
+    let mut lost = Vec::new();
+    let sky = lights::sky(&gltf.root, &mut lost);
+    lost.into_iter().for_each(|message| made.warn(message));
     Ok((Scene { sky, materials, entities: made.entities }, made.warnings))
 }
 
@@ -103,8 +105,10 @@ impl<'a> Made<'a> {
             let inner = self.child(&entity, format!("{} (sheared)", entity.name), inner);
             self.entities.push(std::mem::replace(&mut entity, inner));
         }
-        entity.light = self.light(node)?;
-        entity.camera = self.camera(node)?;
+        let mut lost = Vec::new();
+        entity.light = lights::light(self.gltf, node, &mut lost)?;
+        entity.camera = lights::camera(self.gltf, node, &mut lost)?;
+        lost.into_iter().for_each(|message| self.warn(message));
         let id = entity.id;
         let mesh = node.mesh.map(|mesh| self.renderer(mesh)).transpose()?.flatten();
         let is_static = !moves && !self.skin_moves(node)?;
@@ -188,29 +192,6 @@ impl<'a> Made<'a> {
         for (n, transform) in transforms.into_iter().enumerate() {
             let child = self.child(parent, format!("{} {n}", parent.name), transform);
             made.push(Entity { mesh: Some(mesh.clone()), is_static, ..child });
-        }
-        Ok(made)
-    }
-
-    fn light(&mut self, node: &Node) -> Result<Option<Light>, String> {
-        const NAME: &str = "KHR_lights_punctual";
-        let Some(json::LightOfNode { light }) = extension(&node.extensions, NAME)? else { return Ok(None) };
-        let lights: json::Lights = extension(&self.gltf.root.extensions, NAME)?.unwrap_or_default();
-        let authored = get(&lights.lights, light, "light")?;
-        let made = light_of(authored);
-        if made.is_none() {
-            self.warn(format!("light {light} is of the unknown kind `{}` and was left out", authored.r#type));
-        }
-        Ok(made)
-    }
-
-    fn camera(&mut self, node: &Node) -> Result<Option<Camera>, String> {
-        let Some(camera) = node.camera else { return Ok(None) };
-        let made = camera_of(get(&self.gltf.root.cameras, camera, "camera")?);
-        if made.is_none() {
-            self.warn(format!(
-                "camera {camera} sees nothing (its field of view or planes are not usable) and was left out"
-            ));
         }
         Ok(made)
     }
@@ -308,48 +289,4 @@ fn instance_transforms(gltf: &Gltf, instancing: &json::Instancing) -> Result<Vec
         to.scale = Vec3::from(scale).as_dvec3();
     }
     Ok(transforms)
-}
-
-fn light_of(authored: &json::Light) -> Option<Light> {
-    let kind = match authored.r#type.as_str() {
-        "directional" => LightKind::Sun,
-        "point" => LightKind::Point,
-        "spot" => {
-            let outer = authored.spot.outer_cone_angle.unwrap_or(std::f32::consts::FRAC_PI_4);
-            let outer = outer.clamp(0.0, std::f32::consts::FRAC_PI_2);
-            LightKind::Spot { inner: authored.spot.inner_cone_angle.unwrap_or(0.0).clamp(0.0, outer), outer }
-        }
-        _ => return None,
-    };
-    Some(Light {
-        kind,
-        color: authored.color.map_or(Vec3::ONE, Vec3::from),
-        intensity: authored.intensity.unwrap_or(1.0),
-        range: authored.range.filter(|&range| range > 0.0),
-        ..Light::default()
-    })
-}
-
-fn camera_of(authored: &json::Camera) -> Option<Camera> {
-    let (projection, near, far) = match (&authored.perspective, &authored.orthographic) {
-        (Some(p), _) => (Projection::Perspective { fov_y: p.yfov }, p.znear, p.zfar),
-        (None, Some(o)) => (Projection::Orthographic { half_height: o.ymag.abs() }, o.znear, Some(o.zfar)),
-        (None, None) => return None,
-    };
-    let camera = Camera { projection, near, far, exposure: 0.0 };
-    camera.validate().is_ok().then_some(camera)
-}
-
-/// Our reference scenes say in the glTF scene's extras what radiance [W/m2/sr] surrounds them.
-fn sky(root: &Root) -> Result<Sky, String> {
-    let value = root.scenes.get(root.scene.unwrap_or(0)).and_then(|scene| scene.extras.get("sky_radiance"));
-    let Some(value) = value else { return Ok(Sky::default()) };
-    let radiance: [f32; 3] =
-        serde::Deserialize::deserialize(value).map_err(|error: serde_json::Error| error.to_string())?;
-    let radiance = Vec3::from(radiance);
-    if !radiance.is_finite() || radiance.min_element() < 0.0 {
-        return Err("three finite numbers, none negative, belong here".to_owned());
-    }
-    let kind = if radiance == Vec3::ZERO { SkyKind::None } else { SkyKind::Constant { radiance } };
-    Ok(Sky { kind, ..Sky::default() })
 }
