@@ -50,6 +50,29 @@ fn models_of_others_are_read_or_refused_for_a_reason() {
 }
 
 #[test]
+fn triangles_are_as_many_as_other_readers_found() {
+    let Some(shared) = tests::shared() else { return };
+    let root = shared.join("assets");
+    let manifest = std::fs::read_to_string(root.join("MANIFEST.md")).unwrap();
+    let mut compared = 0;
+    for (file, expected) in manifest.lines().filter_map(counted) {
+        let Ok((_, assets, _)) = read(&root, file) else { continue };
+        let found: usize = assets.meshes.values().map(|mesh| mesh.indices.len() / 3).sum();
+        assert_eq!(found, expected, "{file}");
+        compared += 1;
+    }
+    println!("compared the triangles of {compared} files");
+    assert!(compared > 60);
+}
+
+/// A file of the manifest's tables (file | bytes | triangles ...) and its triangles.
+fn counted(row: &str) -> Option<(&str, usize)> {
+    let mut cells = row.strip_prefix('|')?.split('|').map(str::trim);
+    let (file, _, triangles) = (cells.next()?, cells.next()?, cells.next()?);
+    Some((file, triangles.split(' ').next()?.parse().ok()?))
+}
+
+#[test]
 fn scenes_of_others_are_read() {
     let Some(shared) = tests::shared() else { return };
     let root = shared.join("assets/scenes");
@@ -112,6 +135,26 @@ fn showing(file: &str) -> Scene {
     let image = ImageSource { file: file.to_owned(), image: None };
     let albedo = Albedo { texture: Some(Texture::new(image)), ..Albedo::default() };
     Scene { materials: vec![Material { albedo, ..Material::default() }], ..Scene::default() }
+}
+
+#[test]
+fn what_the_validator_finds_valid_is_read() {
+    let Some(shared) = tests::shared() else { return };
+    let (mut valid, mut refused) = (0, Vec::new());
+    for path in files_under(&shared.join("assets/malformed/gltf-validator"), &["gltf", "glb"]) {
+        let Ok(report) = std::fs::read_to_string(format!("{}.report.json", path.display())) else { continue };
+        let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+        if report["issues"]["numErrors"] != 0 {
+            continue;
+        }
+        let (project, name) = split(&path);
+        valid += 1;
+        refused.extend(read(project, name).err().map(|error| error.to_string()));
+    }
+    println!("valid by the validator: {valid}, refused {}", refused.len());
+    // One asks for a reader of glTF 2.1, one for a buffer out of the web.
+    let [newer, web] = &refused[..] else { panic!("{refused:#?}") };
+    assert!(newer.contains("min_version_valid.gltf") && web.contains("http://"), "{refused:?}");
 }
 
 /// Imports a file and loads what the scene refers to.

@@ -61,9 +61,10 @@ fn objects_polygons_and_materials_are_read() {
 
 #[test]
 fn faces_with_and_without_normals_stand_side_by_side() {
-    let obj = "v 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0 0 0 0.5\nvn 0 0 -3\nf 1//1 2//1 3//1\nf 1 2 3\n";
+    let obj = "v 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0 0 0 0.5\nvn 0 0 -3\nf 1//1 2//1 3//1\nf 1/9/9 2/9 3/9/-9\n";
     let folder = project(&[("a.obj", obj)]);
     let imported = import(folder.path(), "a.obj").unwrap();
+    assert!(imported.warnings[0].message.starts_with("5 corners refer to"));
     let (assets, _) = load_assets(folder.path(), &imported.scene).unwrap();
     let mesh = assets.meshes.values().next().unwrap();
     assert_eq!(mesh.normals, [[Vec3::NEG_Z; 3], [Vec3::Z; 3]].concat());
@@ -77,10 +78,10 @@ fn broken_obj_files_are_refused_by_line() {
     for (text, said) in [
         ("v 0 0\n", "line 1: 3 numbers are needed"),
         ("v 0 0 x\n", "`x` is no number"),
-        ("v 0 0 0\nf 1 1 2\n", "line 2: a face refers to position 2, and 1 are there"),
-        ("v 0 0 0\nf 1 1 0\n", "position 0"),
-        ("v 0 0 0\nf 1 1 -2\n", "position -2"),
-        ("v 0 0 0\nf 1/1 1/1 1/1\n", "texture coordinate 1"),
+        ("v 0 0 0\nf 1 1 2\n", "line 2: `2` refers to a position that is not there: 1 are"),
+        ("v 0 0 0\nf 1 1 0\n", "`0` refers to a position"),
+        ("v 0 0 0\nf 1 1 -2\n", "`-2` refers to a position"),
+        ("v 0 0 0\nf 1 1 1.5\n", "`1.5` is no index"),
         ("v 0 0 0\nf 1 1 -9223372036854775808\n", "position"),
         ("v 0 0 0\nf / / /\n", "names no position"),
     ] {

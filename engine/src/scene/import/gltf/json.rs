@@ -1,7 +1,8 @@
 //! The JSON of glTF 2.0, as far as a scene needs it.
 //!
 //! Whatever may be missing is optional here, numbers keep the precision of the text (a site far from the
-//! origin stands on its f64 translations), and extensions are kept as they are. Indices are not believed: [`get`].
+//! origin stands on its f64 translations), and extensions are kept as they are. Indices are not believed:
+//! [`get`].
 
 use serde::Deserialize;
 use serde::de::DeserializeOwned;

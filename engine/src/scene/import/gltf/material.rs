@@ -36,7 +36,7 @@ fn material(
     authored: &json::Material,
     lost: &mut Vec<String>,
 ) -> Result<Material, String> {
-    let glossy = specular_glossiness(authored, lost)?;
+    let glossy = specular_glossiness(authored)?;
     let pbr = glossy.as_ref().unwrap_or(&authored.pbr_metallic_roughness);
     let [r, g, b, a] = pbr.base_color_factor;
     let mut texture = |info: &Option<TextureInfo>| match info {
@@ -69,15 +69,11 @@ fn material(
 }
 
 /// The older model's diffuse part is ours; its coloured mirror is not.
-fn specular_glossiness(
-    authored: &json::Material,
-    lost: &mut Vec<String>,
-) -> Result<Option<MetallicRoughness>, String> {
+fn specular_glossiness(authored: &json::Material) -> Result<Option<MetallicRoughness>, String> {
     const NAME: &str = "KHR_materials_pbrSpecularGlossiness";
     let Some(found): Option<json::SpecularGlossiness> = extension(&authored.extensions, NAME)? else {
         return Ok(None);
     };
-    lost.push(format!("{NAME}: its diffuse colour and glossiness are read, its specular colour is not"));
     Ok(Some(MetallicRoughness {
         base_color_factor: found.diffuse_factor.unwrap_or([1.0; 4]),
         base_color_texture: found.diffuse_texture,

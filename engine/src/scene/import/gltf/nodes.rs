@@ -33,6 +33,9 @@ pub fn scene(project: &Path, gltf: &Gltf) -> Result<(Scene, Vec<Warning>), Strin
     Ok((Scene { sky, materials, entities: made.entities }, made.warnings))
 }
 
+/// A few bytes can ask for any number of instances.
+const MOST_ENTITIES: usize = 1 << 20;
+
 /// A node that is about to become an entity.
 struct Pending {
     node: usize,
@@ -188,6 +191,9 @@ impl<'a> Made<'a> {
         is_static: bool,
     ) -> Result<Vec<Entity>, String> {
         let transforms = instance_transforms(self.gltf, instancing)?;
+        if self.entities.len() + transforms.len() > MOST_ENTITIES {
+            return Err(format!("its instances make more than {MOST_ENTITIES} entities"));
+        }
         let mut made = Vec::with_capacity(transforms.len());
         for (n, transform) in transforms.into_iter().enumerate() {
             let child = self.child(parent, format!("{} {n}", parent.name), transform);
@@ -204,9 +210,7 @@ impl<'a> Made<'a> {
     }
 
     fn warn_of_what_is_lost(&mut self) {
-        for name in lost_extensions(self.gltf) {
-            self.warn(format!("uses {name}, which is not read"));
-        }
+        lost_extensions(self.gltf).into_iter().for_each(|message| self.warn(message));
         if self.gltf.root.nodes.iter().any(|node| node.skin.is_some() && node.mesh.is_some()) {
             self.warn("has skinned meshes: they are shown as modelled, without their bones".to_owned());
         }
