@@ -40,13 +40,13 @@ const MOST_ENTITIES: usize = 1 << 20;
 struct Pending {
     node: usize,
     parent: Option<EntityId>,
-    /// Something above it moves.
-    carried: bool,
 }
 
 struct Made<'a> {
     gltf: &'a Gltf,
     animation_of_node: HashMap<usize, u32>,
+    /// Nodes that an animation moves or carries.
+    moving: HashSet<usize>,
     entities: Vec<Entity>,
     /// Ids up to the number of nodes are the nodes' own; others follow.
     next_id: u64,
@@ -57,8 +57,15 @@ struct Made<'a> {
 impl<'a> Made<'a> {
     fn new(gltf: &'a Gltf, warnings: Vec<Warning>) -> Self {
         let animation_of_node = animation::animation_of_node(&gltf.root);
-        let next_id = gltf.root.nodes.len() as u64 + 1;
-        Self { gltf, animation_of_node, entities: Vec::new(), next_id, default_is_used: false, warnings }
+        Self {
+            gltf,
+            moving: animation::moving_nodes(&gltf.root, animation_of_node.keys().copied()),
+            animation_of_node,
+            entities: Vec::new(),
+            next_id: gltf.root.nodes.len() as u64 + 1,
+            default_is_used: false,
+            warnings,
+        }
     }
 
     fn warn(&mut self, message: String) {
@@ -66,9 +73,8 @@ impl<'a> Made<'a> {
     }
 
     fn nodes(&mut self, roots: Vec<usize>) -> Result<(), String> {
-        let pending = |node: usize, parent, carried| Pending { node, parent, carried };
         let mut stack: Vec<Pending> =
-            roots.into_iter().rev().map(|node| pending(node, None, false)).collect();
+            roots.into_iter().rev().map(|node| Pending { node, parent: None }).collect();
         let mut seen = HashSet::new();
         while let Some(next) = stack.pop() {
             if !seen.insert(next.node) {
@@ -76,30 +82,22 @@ impl<'a> Made<'a> {
                 continue;
             }
             let node = get(&self.gltf.root.nodes, next.node, "node")?;
-            let (id, moves) =
-                self.node(&next).map_err(|message| format!("{}: {message}", name(node, next.node)))?;
-            stack.extend(node.children.iter().rev().map(|&child| pending(child, Some(id), moves)));
+            let id = self.node(&next).map_err(|message| format!("{}: {message}", name(node, next.node)))?;
+            stack.extend(node.children.iter().rev().map(|&child| Pending { node: child, parent: Some(id) }));
         }
         Ok(())
     }
 
-    /// The entity that the node's children belong to, and whether they move.
-    fn node(&mut self, pending: &Pending) -> Result<(EntityId, bool), String> {
+    /// The entity that the node's children belong to.
+    fn node(&mut self, pending: &Pending) -> Result<EntityId, String> {
         let node = &self.gltf.root.nodes[pending.node];
         let (transform, before) = transform(node)?;
-        let animation = self.animation_of_node.get(&pending.node).copied();
-        let moves = pending.carried || animation.is_some();
         let mut entity = Entity {
             id: EntityId(pending.node as u64 + 1),
             name: name(node, pending.node),
             parent: pending.parent,
             transform,
-            motion: animation.map(|animation| Motion::Clip {
-                file: self.gltf.file.clone(),
-                animation,
-                node: pending.node as u32,
-                speed: 1.0,
-            }),
+            motion: self.motion(pending.node),
             ..Entity::default()
         };
         if let Some(rotation) = before {
@@ -114,7 +112,7 @@ impl<'a> Made<'a> {
         lost.into_iter().for_each(|message| self.warn(message));
         let id = entity.id;
         let mesh = node.mesh.map(|mesh| self.renderer(mesh)).transpose()?.flatten();
-        let is_static = !moves && !self.skin_moves(node)?;
+        let is_static = !self.moving.contains(&pending.node) && !self.skin_moves(node)?;
         let instances: Option<json::Instancing> = extension(&node.extensions, "EXT_mesh_gpu_instancing")?;
         match (mesh, instances) {
             (Some(mesh), Some(instances)) => {
@@ -128,7 +126,12 @@ impl<'a> Made<'a> {
                 self.entities.push(entity);
             }
         }
-        Ok((id, moves))
+        Ok(id)
+    }
+
+    fn motion(&self, node: usize) -> Option<Motion> {
+        let animation = *self.animation_of_node.get(&node)?;
+        Some(Motion::Clip { file: self.gltf.file.clone(), animation, node: node as u32, speed: 1.0 })
     }
 
     fn child(&mut self, parent: &Entity, name: String, transform: Transform) -> Entity {
@@ -206,7 +209,7 @@ impl<'a> Made<'a> {
     fn skin_moves(&self, node: &Node) -> Result<bool, String> {
         let Some(skin) = node.skin else { return Ok(false) };
         let skin = get(&self.gltf.root.skins, skin, "skin")?;
-        Ok(skin.joints.iter().any(|joint| self.animation_of_node.contains_key(joint)))
+        Ok(skin.joints.iter().any(|joint| self.moving.contains(joint)))
     }
 
     fn warn_of_what_is_lost(&mut self) {
