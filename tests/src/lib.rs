@@ -1,6 +1,7 @@
 //! The house that tests share.
 
 pub mod project;
+pub mod made;
 
 use std::path::{Path, PathBuf};
 
