@@ -1,6 +1,8 @@
 //! The bake: from a scene to its light transport. A library that needs no GPU; `hohlraum-bake` is its
 //! command line.
 
+pub mod progress;
+
 use std::path::Path;
 
 use engine::scene::file::Quality;
