@@ -20,7 +20,7 @@ pub enum SceneError {
 }
 
 /// Something that the author should know and that stops nothing.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Warning {
     /// File, entity or material.
     pub about: String,
