@@ -2,6 +2,7 @@
 
 pub mod bake;
 pub mod check;
+mod columns;
 pub mod new;
 pub mod plan;
 pub mod query;

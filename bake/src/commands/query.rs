@@ -9,6 +9,7 @@ use engine::scene::file::write_atomically;
 use glam::{DVec3, Vec3};
 use serde_json::json;
 
+use super::columns::{self, Row};
 use crate::args::QueryArgs;
 use crate::print;
 
@@ -28,8 +29,8 @@ pub fn run(args: &QueryArgs) -> Result<ExitCode> {
 }
 
 fn points_answered(args: &QueryArgs, file: &Path) -> Result<(Vec<u8>, usize)> {
-    let rows = read(file, ["x", "y", "z", "nx", "ny", "nz"])?;
-    let points = rows.iter().map(|(line, row)| point(row).with_context(|| place(file, *line)));
+    let rows = columns::read(file, ["x", "y", "z", "nx", "ny", "nz"])?;
+    let points = rows.iter().map(|row| point(file, row));
     let points = points.collect::<Result<Vec<_>>>()?;
     let (scene, settings) = (&args.scene, args.scene.settings());
     let method = args.method.unwrap_or_default();
@@ -37,28 +38,30 @@ fn points_answered(args: &QueryArgs, file: &Path) -> Result<(Vec<u8>, usize)> {
         .map_err(|error| about(file, error))?;
 
     let header = "x,y,z,nx,ny,nz,direct_r,direct_g,direct_b,indirect_r,indirect_g,indirect_b,Er,Eg,Eb";
-    let rows = rows.iter().zip(&answers).map(|((_, row), answer)| [&row[..], &columns(answer)].concat());
+    let rows =
+        rows.iter().zip(&answers).map(|(row, answer)| [&row.numbers[..], &irradiance(answer)].concat());
     Ok((written(&header.split(',').map(str::to_owned).collect::<Vec<_>>(), rows)?, answers.len()))
 }
 
 fn probes_answered(args: &QueryArgs, file: &Path) -> Result<(Vec<u8>, usize)> {
-    let rows = read(file, ["x", "y", "z"])?;
-    let points: Vec<_> = rows.iter().map(|(_, row)| DVec3::from_array(*row)).collect();
+    let rows = columns::read(file, ["x", "y", "z"])?;
+    let points: Vec<_> = rows.iter().map(|row| DVec3::from_array(row.numbers)).collect();
     let (scene, settings) = (&args.scene, args.scene.settings());
     let answers = bake::query_probes(&scene.project, scene.name(), &settings, &points)
         .map_err(|error| about(file, error))?;
-    let rows = rows.iter().zip(&answers).map(|((_, row), l)| [&row[..], &coefficients(l)].concat());
+    let rows = rows.iter().zip(&answers).map(|(row, l)| [&row.numbers[..], &coefficients(l)].concat());
     Ok((written(&probe_header(), rows)?, answers.len()))
 }
 
 /// Normals of any length above 0 are taken.
-fn point(row: &[f64; 6]) -> Result<Point> {
-    let [x, y, z, nx, ny, nz] = *row;
-    let normal = DVec3::new(nx, ny, nz).try_normalize().context("nx,ny,nz is no direction")?;
+fn point(file: &Path, row: &Row<6>) -> Result<Point> {
+    let [x, y, z, nx, ny, nz] = row.numbers;
+    let no_direction = || format!("{}: line {}: nx,ny,nz is no direction", file.display(), row.line);
+    let normal = DVec3::new(nx, ny, nz).try_normalize().with_context(no_direction)?;
     Ok(Point { position: DVec3::new(x, y, z), normal })
 }
 
-fn columns(light: &Irradiance) -> [f64; 9] {
+fn irradiance(light: &Irradiance) -> [f64; 9] {
     let mut columns = [0.0; 9];
     for (place, part) in
         columns.chunks_mut(3).zip([light.direct, light.indirect, light.direct + light.indirect])
@@ -84,41 +87,6 @@ fn probe_header() -> Vec<String> {
     ["x", "y", "z"].map(str::to_owned).into_iter().chain(colors).collect()
 }
 
-/// The named columns of every row, with the line that each stands on. Other columns are ignored.
-fn read<const N: usize>(file: &Path, names: [&str; N]) -> Result<Vec<(u64, [f64; N])>> {
-    let named = || file.display().to_string();
-    let mut reader =
-        csv::ReaderBuilder::new().flexible(true).trim(csv::Trim::All).from_path(file).with_context(named)?;
-    let header = reader.headers().with_context(named)?.clone();
-    let column = |name: &str| {
-        let found = header.iter().position(|title| title == name);
-        found.with_context(|| format!("{}: line 1: there is no column `{name}`", file.display()))
-    };
-    let mut places = [0; N];
-    for (place, name) in places.iter_mut().zip(names) {
-        *place = column(name)?;
-    }
-    let mut rows = Vec::new();
-    for record in reader.records() {
-        let record = record.with_context(named)?;
-        let line = record.position().map_or(0, csv::Position::line);
-        let mut row = [0.0; N];
-        for ((value, column), name) in row.iter_mut().zip(places).zip(names) {
-            let text = record.get(column).unwrap_or("");
-            *value = number(text).with_context(|| format!("{}: column {name}", place(file, line)))?;
-        }
-        rows.push((line, row));
-    }
-    Ok(rows)
-}
-
-fn number(text: &str) -> Result<f64> {
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(value),
-        _ => bail!("`{text}` is no finite number"),
-    }
-}
-
 fn written(header: &[String], rows: impl Iterator<Item = Vec<f64>>) -> Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(header)?;
@@ -126,10 +94,6 @@ fn written(header: &[String], rows: impl Iterator<Item = Vec<f64>>) -> Result<Ve
         writer.write_record(row.iter().map(f64::to_string))?;
     }
     Ok(writer.into_inner().map_err(|error| error.into_error())?)
-}
-
-fn place(file: &Path, line: u64) -> String {
-    format!("{}: line {line}", file.display())
 }
 
 /// What the library says of a row is said of the file's rows, counted from 1 below the header.
