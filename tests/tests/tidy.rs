@@ -40,7 +40,8 @@ fn the_readmes_map_names_every_folder() {
         let depth = if root == "projects" { 1 } else { usize::MAX };
         for folder in folders(&workspace().join(root), depth) {
             let name = folder.file_name().unwrap().to_str().unwrap();
-            let told = readme.contains(&format!(" {name}/")) || readme.contains(&format!("`{name}/"));
+            let (alone, below) = (format!("{name}/"), format!("/{name}/"));
+            let told = readme.split_whitespace().any(|word| word == alone || word.ends_with(&below));
             assert!(told, "README.md does not name {}", folder.display());
         }
     }
