@@ -2,8 +2,6 @@
 
 use std::path::PathBuf;
 
-use super::Scene;
-
 /// Something that stops the work. Every message names the file or the entity, and the remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
@@ -37,8 +35,4 @@ impl std::fmt::Display for Warning {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}: {}", self.about, self.message)
     }
-}
-
-pub(super) fn validate(_scene: &Scene) -> Result<(), SceneError> {
-    Ok(())
 }
