@@ -1,6 +1,7 @@
 //! The bake: from a scene to its light transport. A library that needs no GPU; `hohlraum-bake` is its
 //! command line.
 
+pub mod chain;
 pub mod progress;
 
 use std::path::Path;

@@ -32,22 +32,10 @@ fn run(arguments: Arguments) -> (bool, Result<ExitCode, Error>) {
 }
 
 fn failed(error: &Error, json: bool) -> ExitCode {
-    let chain = chain(error);
-    eprintln!("error: {chain}");
+    let told = bake::chain::told(error.as_ref());
+    eprintln!("error: {told}");
     if json {
-        print::json(&serde_json::json!({ "error": chain }));
+        print::json(&serde_json::json!({ "error": told }));
     }
     ExitCode::from(1)
-}
-
-/// Causes after what they caused, less those that a message tells already.
-fn chain(error: &Error) -> String {
-    error.chain().fold(String::new(), |told, cause| {
-        let cause = cause.to_string();
-        match told.as_str() {
-            "" => cause,
-            _ if told.contains(&cause) => told,
-            _ => format!("{told}: {cause}"),
-        }
-    })
 }
