@@ -1,16 +1,22 @@
 //! What the commands say: aligned text for people, one JSON object for programs.
 
+use std::io::Write;
 use std::process::ExitCode;
 
 use bake::Plan;
 use engine::transport::Certificate;
 
-/// The one object on stdout. A reader that has gone away is no failure of ours.
+/// The one object on stdout.
 pub fn json(value: &impl serde::Serialize) {
-    use std::io::Write;
-    if let Ok(text) = serde_json::to_string_pretty(value) {
-        let _ = writeln!(std::io::stdout(), "{text}");
+    match serde_json::to_string_pretty(value) {
+        Ok(object) => text(&(object + "\n")),
+        Err(error) => eprintln!("error: {error}"),
     }
+}
+
+/// On stdout. A reader that has gone away is no failure of ours.
+pub fn text(text: &str) {
+    let _ = std::io::stdout().write_all(text.as_bytes());
 }
 
 /// 1 where a statement does not hold, and stderr says which.

@@ -39,11 +39,14 @@ impl Bar {
         Self { bar, plain, cancelled: Arc::default(), rays: AtomicU64::new(0), stage: Mutex::new(stage) }
     }
 
-    /// The first Ctrl-C (or SIGTERM) asks the bake to stop and keep what it has, the second ends the program.
+    /// The first Ctrl-C (or SIGTERM) asks the bake to stop and keep what it has, the second ends the program,
+    /// as any does when the bar is gone. To be called once in a program's life.
     pub fn stop_on_signals(&self) -> Result<(), ctrlc::Error> {
-        let cancelled = Arc::clone(&self.cancelled);
+        let cancelled = Arc::downgrade(&self.cancelled);
         ctrlc::set_handler(move || {
-            if cancelled.swap(true, Ordering::Relaxed) {
+            let asked_now =
+                cancelled.upgrade().is_some_and(|cancelled| !cancelled.swap(true, Ordering::Relaxed));
+            if !asked_now {
                 std::process::exit(130); // what a shell reports for SIGINT
             }
             eprintln!("\nstopping; once more stops at once");

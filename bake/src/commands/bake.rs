@@ -29,9 +29,9 @@ pub fn run(of: &SceneArgs, args: &BakeArgs) -> Result<ExitCode> {
             "warnings": baked.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
         }));
     } else {
-        print!("{}", print::certificate(certificate));
+        print::text(&print::certificate(certificate));
         let state = if baked.unchanged { "unchanged, no ray was traced" } else { "written" };
-        println!("{}: {state}", baked.file.display());
+        print::text(&format!("{}: {state}\n", baked.file.display()));
     }
     baked.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     Ok(print::verdict(certificate))

@@ -19,7 +19,7 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode> {
             "certificate": certificate,
         }));
     } else {
-        print!("{}", print::certificate(&certificate));
+        print::text(&print::certificate(&certificate));
     }
     Ok(print::verdict(&certificate))
 }

@@ -43,17 +43,15 @@ pub fn run(args: &NewArgs) -> Result<ExitCode> {
         print::json(&json!({ "project": project, "default_scene": names[0], "scenes": scenes }));
     } else {
         let list = names.join(", ");
-        println!("{}: {list}; bake with `hohlraum-bake {}`", project.display(), project.display());
+        let project = project.display();
+        print::text(&format!("{project}: {list}; bake with `hohlraum-bake {project}`\n"));
     }
     Ok(ExitCode::SUCCESS)
 }
 
 /// Copies a file and what it refers to into `assets/NAME`, and reads it there.
 fn add(project: &Path, name: &str, file: &Path) -> Result<Imported> {
-    let source = file.canonicalize().with_context(|| file.display().to_string())?;
-    if !source.is_file() {
-        bail!("{}: is no file", file.display());
-    }
+    let source = absolute(file)?;
     let root = source.ancestors().skip(1).take(FOLDERS_UP + 1).last().unwrap_or(&source);
     let companions = import(root, &slashes(source.strip_prefix(root)?)?)?.companions;
 
@@ -68,6 +66,16 @@ fn add(project: &Path, name: &str, file: &Path) -> Result<Imported> {
         }
     }
     Ok(import(project, &target)?)
+}
+
+/// Without `..`. A link keeps its own name: what it refers to lies beside the link.
+fn absolute(file: &Path) -> Result<PathBuf> {
+    let named = || file.display().to_string();
+    if !file.metadata().with_context(named)?.is_file() {
+        bail!("{}: is no file", named());
+    }
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    Ok(folder.canonicalize().with_context(named)?.join(file.file_name().with_context(named)?))
 }
 
 /// Where the file goes: below as many of its own folders as its companions climb, so that `..` leads where it

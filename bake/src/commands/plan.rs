@@ -13,7 +13,7 @@ pub fn run(args: &PlanArgs) -> Result<ExitCode> {
     if args.json {
         print::json(&plan);
     } else {
-        print!("{}", print::plan(&plan));
+        print::text(&print::plan(&plan));
     }
     plan.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     Ok(ExitCode::SUCCESS)

@@ -23,7 +23,7 @@ pub fn run(args: &QueryArgs) -> Result<ExitCode> {
     if args.json {
         print::json(&json!({ "rows": rows, "out": args.out }));
     } else {
-        println!("{}: {rows} rows", args.out.display());
+        print::text(&format!("{}: {rows} rows\n", args.out.display()));
     }
     Ok(ExitCode::SUCCESS)
 }
