@@ -2,6 +2,9 @@
 
 pub mod source;
 
+pub mod project;
+pub mod made;
+
 use std::path::{Path, PathBuf};
 
 /// The folder of assets that the project does not hold itself: `$HOHLRAUM_SHARED`, else `../shared` beside
