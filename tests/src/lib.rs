@@ -1,1 +1,15 @@
 //! The house that tests share.
+
+use std::path::{Path, PathBuf};
+
+/// The folder of assets that the project does not hold itself: `$HOHLRAUM_SHARED`, else `../shared` beside
+/// the workspace. Where there is none, says so and gives `None`: the test then has nothing to do.
+pub fn shared() -> Option<PathBuf> {
+    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
+    let folder = std::env::var_os("HOHLRAUM_SHARED").map_or_else(beside, PathBuf::from);
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    println!("not run: no ../shared");
+    None
+}

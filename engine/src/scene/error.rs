@@ -2,8 +2,6 @@
 
 use std::path::PathBuf;
 
-use super::Scene;
-
 /// Something that stops the work. Every message names the file or the entity, and the remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
@@ -20,7 +18,7 @@ pub enum SceneError {
 }
 
 /// Something that the author should know and that stops nothing.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Warning {
     /// File, entity or material.
     pub about: String,
@@ -37,8 +35,4 @@ impl std::fmt::Display for Warning {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}: {}", self.about, self.message)
     }
-}
-
-pub(super) fn validate(_scene: &Scene) -> Result<(), SceneError> {
-    Ok(())
 }

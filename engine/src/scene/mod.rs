@@ -5,6 +5,7 @@
 
 pub mod assets;
 pub mod camera;
+mod clip;
 pub mod density;
 pub mod entity;
 pub mod error;
@@ -19,6 +20,7 @@ pub mod reflection_probe;
 pub mod shape;
 pub mod sky;
 pub mod transform;
+mod validate;
 
 use serde::{Deserialize, Serialize};
 
@@ -79,8 +81,9 @@ impl Scene {
     }
 
     /// Refuses what no later stage could make sense of: ids that are used twice, references to
-    /// nothing, parents in a circle, numbers that are not finite. Each error names the entity.
+    /// nothing, parents in a circle, numbers that are not finite, negative light, static entities that are
+    /// carried about. Each error names the entity and the remedy.
     pub fn validate(&self) -> Result<(), SceneError> {
-        error::validate(self)
+        validate::validate(self)
     }
 }

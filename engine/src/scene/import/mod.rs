@@ -1,9 +1,24 @@
 //! Files of others, made into scenes of ours.
+//!
+//! [`import()`] reads a glTF, GLB or OBJ file into entities and materials that refer to what lies in it;
+//! [`load_assets`] reads what a scene refers to: meshes, pictures, clips. Both believe nothing that a file says.
 
+mod gltf;
+mod image;
+mod mtl;
+mod obj;
+mod path;
+mod polygon;
+mod triangles;
+
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::path::Path;
+use std::sync::Arc;
 
-use super::assets::Assets;
-use super::{Scene, SceneError, Warning};
+use rayon::prelude::*;
+
+use super::assets::{Assets, Clip, ClipSource, Picture};
+use super::{ImageSource, Material, Mesh, MeshSource, Motion, Scene, SceneError, SkyKind, Warning, shape};
 
 /// What a file says, as a scene whose entities refer to meshes and pictures of `file` (its path relative
 /// to the project, forward slashes).
@@ -15,13 +30,174 @@ pub struct Imported {
     pub companions: Vec<String>,
 }
 
-/// Reads `project/file`, glTF, GLB or OBJ by its ending.
-pub fn import(_project: &Path, _file: &str) -> Result<Imported, SceneError> {
-    todo!()
+/// A file of meshes, open.
+enum Model {
+    Gltf(gltf::Gltf),
+    Obj(obj::Obj),
 }
 
-/// Reads every mesh, picture and clip that the scene refers to. What is missing or broken is a warning
-/// where the scene still makes sense without it (a picture, a clip) and an error where it does not (a mesh).
-pub fn load_assets(_project: &Path, _scene: &Scene) -> Result<(Assets, Vec<Warning>), SceneError> {
-    todo!()
+/// Reads `project/file`, glTF, GLB or OBJ by content and ending. Pictures need not be there (that is a warning), buffers
+/// must. Errors name the file and what is wrong with it.
+pub fn import(project: &Path, file: &str) -> Result<Imported, SceneError> {
+    let refused = |message: String| SceneError::File { path: project.join(file), message };
+    let model = open(project, file)?;
+    let (scene, warnings, files) = match &model {
+        Model::Gltf(gltf) => {
+            let (scene, warnings) = gltf::scene(project, gltf).map_err(refused)?;
+            (scene, warnings, gltf::companions(gltf))
+        }
+        Model::Obj(obj) => obj::scene(project, obj),
+    };
+    scene.validate().map_err(|error| refused(error.to_string()))?;
+    let companions = distinct(files).iter().map(|companion| path::seen_from(file, companion)).collect();
+    Ok(Imported { scene, warnings: distinct(warnings), companions })
+}
+
+/// Reads every mesh, picture and clip that the scene refers to, each once. What is missing or broken is a warning
+/// where the scene still makes sense without it (a picture, a clip) and an error where it does not (a mesh):
+/// it names the entity that refers to it, and the file.
+pub fn load_assets(project: &Path, scene: &Scene) -> Result<(Assets, Vec<Warning>), SceneError> {
+    let (meshes, images, clips) = (wanted_meshes(scene), wanted_images(scene), wanted_clips(scene));
+    let in_meshes = meshes.keys().filter_map(|source| match source {
+        MeshSource::File { file, .. } => Some(file),
+        MeshSource::Shape(_) => None,
+    });
+    let in_images = images.iter().filter(|image| image.image.is_some()).map(|image| &image.file);
+    let files: BTreeSet<&String> =
+        in_meshes.chain(in_images).chain(clips.iter().map(|clip| &clip.file)).collect();
+    let models: Models = files
+        .into_par_iter()
+        .map(|file| (file.clone(), open(project, file).map_err(|e| e.to_string())))
+        .collect();
+
+    let mut assets = Assets::default();
+    let mut warnings = Vec::new();
+    let read: Vec<_> =
+        meshes.par_iter().map(|(source, user)| (*source, *user, mesh(&models, source))).collect();
+    for (source, user, mesh) in read {
+        let (mesh, said) = mesh.map_err(|message| SceneError::Entity { entity: user.to_owned(), message })?;
+        warnings.extend(said);
+        assets.meshes.insert(source.clone(), Arc::new(mesh));
+    }
+    let read: Vec<_> = images.par_iter().map(|source| (*source, picture(project, &models, source))).collect();
+    for (source, picture) in read {
+        match picture {
+            Ok(picture) => drop(assets.images.insert(source.clone(), Arc::new(picture))),
+            Err(message) => warnings.push(Warning::new(&source.file, message)),
+        }
+    }
+    for source in clips {
+        match clip(&models, &source) {
+            Ok(clip) => drop(assets.clips.insert(source, Arc::new(clip))),
+            Err(message) => warnings.push(Warning::new(&source.file, message)),
+        }
+    }
+    Ok((assets, distinct(warnings)))
+}
+
+type Models = BTreeMap<String, Result<Model, String>>;
+
+fn open(project: &Path, file: &str) -> Result<Model, SceneError> {
+    let path = project.join(file);
+    let refused = |message: String| SceneError::File { path: path.clone(), message };
+    if path::inside(file).is_none() || Path::new(file).is_absolute() {
+        return Err(refused("lies outside the project".to_owned()));
+    }
+    let bytes = std::fs::read(&path).map_err(|source| SceneError::Io { path: path.clone(), source })?;
+    let ending = file.rsplit('.').next().unwrap_or_default().to_ascii_lowercase();
+    match ending.as_str() {
+        "obj" if !bytes.starts_with(b"glTF") => obj::open(file, &bytes).map(Model::Obj).map_err(refused),
+        _ if ending == "gltf" || ending == "glb" || gltf::recognises(&bytes) => {
+            gltf::open(project, file, &bytes).map(Model::Gltf).map_err(refused)
+        }
+        _ => Err(refused("is neither glTF, GLB nor OBJ".to_owned())),
+    }
+}
+
+fn model<'a>(models: &'a Models, file: &str) -> Result<&'a Model, String> {
+    match models.get(file) {
+        Some(Ok(model)) => Ok(model),
+        Some(Err(message)) => Err(message.clone()),
+        None => Err(format!("{file} was not opened")),
+    }
+}
+
+fn mesh(models: &Models, source: &MeshSource) -> Result<(Mesh, Vec<Warning>), String> {
+    let (file, n) = match source {
+        MeshSource::File { file, mesh } => (file, *mesh as usize),
+        MeshSource::Shape(shape) => return Ok((shape::mesh(*shape), Vec::new())),
+    };
+    let read = match model(models, file)? {
+        Model::Gltf(gltf) => gltf::mesh(gltf, n),
+        Model::Obj(obj) => obj::mesh(obj, n),
+    };
+    read.map_err(|message| format!("{file}: {message}"))
+}
+
+fn picture(project: &Path, models: &Models, source: &ImageSource) -> Result<Picture, String> {
+    let Some(n) = source.image else {
+        let file = path::inside(&source.file).ok_or("lies outside the project")?;
+        let bytes =
+            std::fs::read(project.join(file)).map_err(|error| format!("the picture is missing: {error}"))?;
+        return image::decode(&bytes, &source.file);
+    };
+    match model(models, &source.file)? {
+        Model::Gltf(gltf) => image::decode(&gltf::image_bytes(gltf, n as usize)?, "")
+            .map_err(|message| format!("picture {n} {message}")),
+        Model::Obj(_) => Err("holds no pictures".to_owned()),
+    }
+}
+
+fn clip(models: &Models, source: &ClipSource) -> Result<Clip, String> {
+    match model(models, &source.file)? {
+        Model::Gltf(gltf) => gltf::clip(gltf, source.animation as usize, source.node as usize),
+        Model::Obj(_) => Err("holds no animations".to_owned()),
+    }
+}
+
+/// Each mesh and the first entity that draws it.
+fn wanted_meshes(scene: &Scene) -> BTreeMap<&MeshSource, &str> {
+    let mut wanted = BTreeMap::new();
+    for entity in &scene.entities {
+        if let Some(renderer) = &entity.mesh {
+            wanted.entry(&renderer.mesh).or_insert(entity.name.as_str());
+        }
+    }
+    wanted
+}
+
+fn wanted_images(scene: &Scene) -> BTreeSet<&ImageSource> {
+    let of_sky = match &scene.sky.kind {
+        SkyKind::Picture { image, .. } => Some(image),
+        _ => None,
+    };
+    scene.materials.iter().flat_map(images_of).chain(of_sky).collect()
+}
+
+fn images_of(material: &Material) -> impl Iterator<Item = &ImageSource> {
+    let Material { albedo, metallic_roughness_texture, normal_texture, emission, .. } = material;
+    let textures = [&albedo.texture, metallic_roughness_texture, normal_texture, &emission.texture];
+    textures.into_iter().flatten().map(|texture| &texture.image)
+}
+
+fn wanted_clips(scene: &Scene) -> Vec<ClipSource> {
+    let clips = scene.entities.iter().filter_map(|entity| match &entity.motion {
+        Some(Motion::Clip { file, animation, node, .. }) => {
+            Some(ClipSource { file: file.clone(), animation: *animation, node: *node })
+        }
+        _ => None,
+    });
+    distinct(clips.collect())
+}
+
+/// The path, if a file is there.
+fn existing(project: &Path, file: String) -> Option<String> {
+    project.join(&file).is_file().then_some(file)
+}
+
+/// In the order of first appearance.
+fn distinct<T: Clone + Eq + std::hash::Hash>(mut list: Vec<T>) -> Vec<T> {
+    let mut seen = HashSet::new();
+    list.retain(|one| seen.insert(one.clone()));
+    list
 }
