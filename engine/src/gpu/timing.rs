@@ -7,7 +7,7 @@ use super::Gpu;
 use super::buffer::{Readback, empty};
 
 /// Passes with a timestamp in one frame; what comes after goes untimed.
-const MOST: u32 = 64;
+const MOST: u32 = 256;
 
 /// Times of passes by name; passes of one name in one frame add up.
 pub struct Timer {
