@@ -1,6 +1,13 @@
 //! The bake: from a scene to its light transport. A library that needs no GPU; `hohlraum-bake` is its
 //! command line.
 
+mod bvh;
+mod chart;
+mod cut;
+mod directions;
+mod split;
+mod surface;
+
 use std::path::Path;
 
 use engine::scene::file::Quality;

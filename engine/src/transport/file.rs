@@ -1,18 +1,38 @@
 //! The light file: the only place that knows its bytes.
 //!
 //! ```text
-//! "HOHLRAUM"  version u32  header length u32  header (JSON: certificate, sections by name, offset, length)
-//! sections, each little-endian, 64-byte aligned; then the BLAKE3 of everything before it
+//! "HOHLRAUM"   version u32   header length u32   header (JSON: certificate, sections: name, offset, length)
+//! sections, little-endian, each at a multiple of 64        BLAKE3 of everything before it (32 bytes)
 //! ```
 
 use std::borrow::Cow;
-use std::path::Path;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
 
-use super::Transport;
+use bytemuck::Pod;
+use serde::{Deserialize, Serialize};
+
+use super::{Certificate, Rows, Surface, Transport};
+
+const MAGIC: &[u8; 8] = b"HOHLRAUM";
+pub const VERSION: u32 = 1;
+
+/// Where a scene's light file is.
+pub fn path(project: &Path, scene: &str) -> PathBuf {
+    crate::scene::file::baked_dir(project, scene).join("light.hohlraum")
+}
+
+#[derive(Debug, thiserror::Error)]
+pub enum TransportError {
+    #[error("{}: {source}", path.display())]
+    Io { path: PathBuf, source: std::io::Error },
+    #[error("{}: {message}; delete it and bake again", path.display())]
+    Broken { path: PathBuf, message: String },
+}
 
 /// What is hashed and stored, by name, in this order.
 pub fn arrays(transport: &Transport) -> Vec<(&'static str, Cow<'_, [u8]>)> {
-    fn plain<T: bytemuck::Pod>(items: &[T]) -> Cow<'_, [u8]> {
+    fn plain<T: Pod>(items: &[T]) -> Cow<'_, [u8]> {
         Cow::Borrowed(bytemuck::cast_slice(items))
     }
     let surface = &transport.surface;
@@ -43,20 +63,180 @@ pub fn arrays(transport: &Transport) -> Vec<(&'static str, Cow<'_, [u8]>)> {
     arrays
 }
 
-#[derive(Debug, thiserror::Error)]
-pub enum TransportError {
-    #[error("{}: {source}", path.display())]
-    Io { path: std::path::PathBuf, source: std::io::Error },
-    #[error("{}: {message}; delete it and bake again", path.display())]
-    Broken { path: std::path::PathBuf, message: String },
+#[derive(Serialize, Deserialize)]
+struct Header {
+    certificate: Certificate,
+    sections: Vec<Section>,
 }
 
-/// Atomic: a reader sees the old file or the new one.
-pub fn save(_path: &Path, _transport: &Transport) -> Result<(), TransportError> {
-    todo!()
+#[derive(Serialize, Deserialize)]
+struct Section {
+    name: String,
+    /// From the end of the header, rounded up to 64.
+    offset: u64,
+    length: u64,
+}
+
+fn aligned(at: u64) -> u64 {
+    at.next_multiple_of(64)
+}
+
+/// Atomic: a reader sees the old file or the new one. Returns the file's length.
+pub fn save(path: &Path, transport: &Transport) -> Result<u64, TransportError> {
+    write(path, transport).map_err(|source| TransportError::Io { path: path.to_owned(), source })
+}
+
+fn write(path: &Path, transport: &Transport) -> std::io::Result<u64> {
+    let arrays = arrays(transport);
+    let mut offset = 0;
+    let mut sections = Vec::new();
+    for (name, bytes) in &arrays {
+        sections.push(Section { name: (*name).to_owned(), offset, length: bytes.len() as u64 });
+        offset = aligned(offset + bytes.len() as u64);
+    }
+    let header = Header { certificate: transport.certificate.clone(), sections };
+    let json = serde_json::to_vec(&header).map_err(std::io::Error::other)?;
+    let folder = path.parent().unwrap_or(Path::new("."));
+    std::fs::create_dir_all(folder)?;
+    let file = tempfile::NamedTempFile::new_in(folder)?;
+    let mut out =
+        Hashing { file: BufWriter::with_capacity(1 << 20, file), hasher: blake3::Hasher::new(), at: 0 };
+    out.put(MAGIC)?;
+    out.put(&VERSION.to_le_bytes())?;
+    out.put(&(json.len() as u32).to_le_bytes())?;
+    out.put(&json)?;
+    for (_, bytes) in &arrays {
+        out.align()?;
+        out.put(bytes)?;
+    }
+    let sum = out.hasher.finalize();
+    out.put(sum.as_bytes())?;
+    let length = out.at;
+    let file = out.file.into_inner().map_err(std::io::IntoInnerError::into_error)?;
+    file.as_file().sync_all()?;
+    file.persist(path).map_err(|error| error.error)?;
+    Ok(length)
+}
+
+struct Hashing<W: Write> {
+    file: W,
+    hasher: blake3::Hasher,
+    at: u64,
+}
+
+impl<W: Write> Hashing<W> {
+    fn put(&mut self, bytes: &[u8]) -> std::io::Result<()> {
+        self.hasher.update(bytes);
+        self.at += bytes.len() as u64;
+        self.file.write_all(bytes)
+    }
+
+    fn align(&mut self) -> std::io::Result<()> {
+        let padding = aligned(self.at) - self.at;
+        self.put(&[0; 64][..padding as usize])
+    }
+}
+
+/// The certificate alone, without reading the arrays or the checksum.
+pub fn load_certificate(path: &Path) -> Result<Certificate, TransportError> {
+    use std::io::Read;
+    let failed = |source| TransportError::Io { path: path.to_owned(), source };
+    let mut file = std::fs::File::open(path).map_err(failed)?;
+    let length = file.metadata().map_err(failed)?.len();
+    let mut start = [0; 16];
+    file.read_exact(&mut start).map_err(failed)?;
+    let header = u64::from(u32::from_le_bytes([start[12], start[13], start[14], start[15]]));
+    let broken =
+        |message: &str| TransportError::Broken { path: path.to_owned(), message: message.to_owned() };
+    if start[..8] != *MAGIC || header > length {
+        return Err(broken("is no light file"));
+    }
+    let mut json = vec![0; header as usize];
+    file.read_exact(&mut json).map_err(failed)?;
+    let header: Header = serde_json::from_slice(&json).map_err(|error| broken(&error.to_string()))?;
+    Ok(header.certificate)
 }
 
 /// Checks the checksum, every length and every index before anything is used.
-pub fn load(_path: &Path) -> Result<Transport, TransportError> {
-    todo!()
+pub fn load(path: &Path) -> Result<Transport, TransportError> {
+    let bytes = std::fs::read(path).map_err(|source| TransportError::Io { path: path.to_owned(), source })?;
+    let broken = |message: String| TransportError::Broken { path: path.to_owned(), message };
+    let transport = parse(&bytes).map_err(broken)?;
+    transport.validate().map_err(broken)?;
+    Ok(transport)
+}
+
+fn parse(bytes: &[u8]) -> Result<Transport, String> {
+    let word = |at: usize| -> Result<u32, String> {
+        let word = bytes.get(at..at + 4).ok_or("is cut off")?;
+        Ok(u32::from_le_bytes([word[0], word[1], word[2], word[3]]))
+    };
+    if bytes.get(..8) != Some(MAGIC) {
+        return Err("is no light file".to_owned());
+    }
+    let version = word(8)?;
+    if version != VERSION {
+        return Err(format!("is of version {version}; this program reads version {VERSION}"));
+    }
+    let end = bytes.len().checked_sub(32).ok_or("is cut off")?;
+    if blake3::hash(&bytes[..end]).as_bytes()[..] != bytes[end..] {
+        return Err("is damaged: its checksum does not fit".to_owned());
+    }
+    let body = 16 + word(12)? as usize;
+    let json = bytes[..end].get(16..body).ok_or("is cut off")?;
+    let header: Header = serde_json::from_slice(json).map_err(|error| error.to_string())?;
+    let sections = Sections { bytes: &bytes[..end], base: aligned(body as u64), sections: header.sections };
+    let origin: Vec<f64> = sections.read("origin")?;
+    let sky: Vec<u32> = sections.read("sky")?;
+    Ok(Transport {
+        origin: <[f64; 3]>::try_from(origin).map_err(|_| "has no origin")?.into(),
+        surface: Surface {
+            vertices: sections.read("vertices")?,
+            blends: sections.read("blends")?,
+            back_blends: sections.read("back_blends")?,
+            triangles: sections.read("triangles")?,
+            patches: sections.read("triangle_patches")?,
+            batches: sections.read("batches")?,
+        },
+        patches: sections.read("patches")?,
+        samples: sections.read("samples")?,
+        receivers: sections.read("receivers")?,
+        probes: sections.read("probes")?,
+        sky_patches: *sky.first().ok_or("has no sky")?,
+        patch_from_patch: sections.rows("patch")?,
+        receiver_from_patch: sections.rows("receiver")?,
+        probe_from_patch: sections.rows("probe")?,
+        certificate: header.certificate,
+    })
+}
+
+struct Sections<'a> {
+    bytes: &'a [u8],
+    base: u64,
+    sections: Vec<Section>,
+}
+
+impl Sections<'_> {
+    fn read<T: Pod>(&self, name: &str) -> Result<Vec<T>, String> {
+        let section = self.sections.iter().find(|section| section.name == name);
+        let section = section.ok_or_else(|| format!("has no section `{name}`"))?;
+        let range = self
+            .base
+            .checked_add(section.offset)
+            .and_then(|first| Some(first as usize..first.checked_add(section.length)? as usize));
+        let bytes = range.and_then(|range| self.bytes.get(range));
+        let bytes = bytes.ok_or_else(|| format!("section `{name}` reaches past its end"))?;
+        if bytes.len() % size_of::<T>() != 0 {
+            return Err(format!("section `{name}` has {} bytes", bytes.len()));
+        }
+        Ok(bytemuck::pod_collect_to_vec(bytes))
+    }
+
+    fn rows(&self, name: &str) -> Result<Rows, String> {
+        Ok(Rows {
+            starts: self.read(&format!("{name}.starts"))?,
+            columns: self.read(&format!("{name}.columns"))?,
+            weights: self.read(&format!("{name}.weights"))?,
+        })
+    }
 }

@@ -21,6 +21,7 @@
 pub mod certificate;
 pub mod direct;
 pub mod file;
+pub mod key;
 pub mod materials;
 pub mod rows;
 pub mod sh;

@@ -1,0 +1,332 @@
+//! Form factors from hits: both directions pooled, then made to close again.
+//!
+//! ```text
+//! S_ij = (h_ij + h_ji) / (R/A_i + R/A_j)          pooled by inverse variance; symmetric
+//! X_ij = S_ij (1 + f_ij (l_i + l_j))               least squares: (diag(V 1 + s) + V) l = A - S 1 - s
+//! ```
+//! with V = f S, f = 1 for what chance found and almost 0 for what was sampled towards, and s what a row sends to
+//! the sky or loses. Then symmetric scaling, X_ij d_i d_j, finishes (Sinkhorn and Knopp 1967). Reciprocity
+//! without closure diverges, closure without reciprocity loses energy; this keeps both.
+
+use engine::transport::Rows;
+use rayon::prelude::*;
+
+use crate::emitter::Emitters;
+use crate::rays::Hits;
+
+/// What balancing found and did.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Balance {
+    /// max |row sum - 1| before, of what both directions pooled say.
+    pub defect_raw: f64,
+    pub sweeps: usize,
+    /// max |row sum - 1| of the f64 matrix after.
+    pub defect: f64,
+    /// Area mean of the lost share.
+    pub lost: f64,
+}
+
+/// By row: columns ascending and values, f64; symmetric.
+struct Symmetric {
+    starts: Vec<usize>,
+    columns: Vec<u32>,
+    values: Vec<f64>,
+    /// How freely least squares may change an entry, times the entry.
+    free: Vec<f32>,
+    /// By row: to each sky patch, and what is lost, in area.
+    sky: Vec<Vec<(u32, f64)>>,
+    lost: Vec<f64>,
+}
+
+/// How much of its own size an entry that was sampled towards may change by, against one left to chance.
+const SAMPLED_FREEDOM: f32 = 1e-2;
+
+/// `towards`: by patch, its shares towards emitters (empty for emitters themselves). Returns the stored rows,
+/// columns patches then sky, each with its target 1 - lost.
+pub fn balanced_rows(
+    hits: &Hits,
+    rays: u32,
+    areas: &[f64],
+    emitters: &Emitters,
+    towards: &[Vec<(u32, f64)>],
+) -> (Rows, Vec<f64>, Balance) {
+    let mut pooled = pool(hits, rays, areas, emitters, towards);
+    let mut balance = Balance { defect_raw: defect(&pooled, areas), ..Balance::default() };
+    blacken(&mut pooled, areas);
+    least_squares(&mut pooled, areas);
+    balance.sweeps = scale(&mut pooled, areas);
+    balance.defect = defect(&pooled, areas);
+    balance.lost = pooled.lost.iter().sum::<f64>() / areas.iter().sum::<f64>().max(1e-300);
+    let targets: Vec<f64> = (0..areas.len()).map(|i| 1.0 - (pooled.lost[i] / areas[i]).clamp(0.0, 1.0)).collect();
+    (store(&pooled, areas, &targets), targets, balance)
+}
+
+impl Symmetric {
+    fn range(&self, i: usize) -> std::ops::Range<usize> {
+        self.starts[i]..self.starts[i + 1]
+    }
+
+    fn sum(&self, i: usize) -> f64 {
+        self.values[self.range(i)].iter().sum::<f64>() + self.slack(i)
+    }
+
+    /// To the sky and lost.
+    fn slack(&self, i: usize) -> f64 {
+        self.sky[i].iter().map(|sky| sky.1).sum::<f64>() + self.lost[i]
+    }
+}
+
+fn pool(hits: &Hits, rays: u32, areas: &[f64], emitters: &Emitters, towards: &[Vec<(u32, f64)>]) -> Symmetric {
+    let n = areas.len();
+    let by_chance = |i: usize, j: u32| emitters.is_emitter[i] == emitters.is_emitter[j as usize];
+    let backwards = Transposed::new(n, |i| {
+        hits.row(i).take_while(|&(j, _)| (j as usize) < n).filter(move |&(j, _)| by_chance(i, j))
+    });
+    let towards_backwards = Transposed::new(n, |i| towards[i].iter().map(|&(j, share)| (j, share)));
+    let rays = f64::from(rays);
+    let rows: Vec<Vec<(u32, f64, f32)>> = (0..n)
+        .into_par_iter()
+        .map(|i| {
+            let mut row: Vec<(u32, f64, f32)> = Vec::new();
+            let own = hits.row(i).take_while(|&(j, _)| (j as usize) < n).filter(|&(j, _)| by_chance(i, j));
+            merge(own, backwards.row(i), |j, there, back| {
+                let hits = f64::from(there.unwrap_or(0)) + f64::from(back.unwrap_or(0));
+                row.push((j, hits / (rays / areas[i] + rays / areas[j as usize]), 1.0));
+            });
+            row.extend(towards[i].iter().map(|&(j, share)| (j, areas[i] * share, SAMPLED_FREEDOM)));
+            row.extend(towards_backwards.row(i).map(|(j, share)| (j, areas[j as usize] * share, SAMPLED_FREEDOM)));
+            row.sort_unstable_by_key(|entry| entry.0);
+            row
+        })
+        .collect();
+    let mut symmetric = Symmetric {
+        starts: vec![0],
+        columns: Vec::new(),
+        values: Vec::new(),
+        free: Vec::new(),
+        sky: Vec::new(),
+        lost: hits.lost.iter().zip(areas).map(|(&lost, area)| area * f64::from(lost) / rays).collect(),
+    };
+    for (i, row) in rows.into_iter().enumerate() {
+        for (j, value, free) in row {
+            symmetric.columns.push(j);
+            symmetric.values.push(value);
+            symmetric.free.push(free);
+        }
+        symmetric.starts.push(symmetric.columns.len());
+        let sky = hits.row(i).filter(|&(j, _)| j as usize >= n);
+        symmetric.sky.push(sky.map(|(j, count)| (j, areas[i] * f64::from(count) / rays)).collect());
+    }
+    symmetric
+}
+
+/// The same entries by column.
+struct Transposed<T> {
+    starts: Vec<usize>,
+    entries: Vec<(u32, T)>,
+}
+
+impl<T: Copy + Default> Transposed<T> {
+    fn new<I: Iterator<Item = (u32, T)>>(n: usize, row: impl Fn(usize) -> I) -> Self {
+        let mut starts = vec![0; n + 1];
+        for i in 0..n {
+            row(i).for_each(|(j, _)| starts[j as usize + 1] += 1);
+        }
+        for j in 0..n {
+            starts[j + 1] += starts[j];
+        }
+        let mut at = starts.clone();
+        let mut entries = vec![(0, T::default()); starts[n]];
+        for i in 0..n {
+            for (j, value) in row(i) {
+                entries[at[j as usize]] = (i as u32, value);
+                at[j as usize] += 1;
+            }
+        }
+        Self { starts, entries }
+    }
+
+    fn row(&self, j: usize) -> impl Iterator<Item = (u32, T)> + '_ {
+        self.entries[self.starts[j]..self.starts[j + 1]].iter().copied()
+    }
+}
+
+/// Two ascending rows, side by side.
+fn merge<T>(
+    a: impl Iterator<Item = (u32, T)>,
+    b: impl Iterator<Item = (u32, T)>,
+    mut each: impl FnMut(u32, Option<T>, Option<T>),
+) {
+    let (mut a, mut b) = (a.peekable(), b.peekable());
+    loop {
+        match (a.peek().map(|a| a.0), b.peek().map(|b| b.0)) {
+            (None, None) => return,
+            (Some(i), Some(j)) if i == j => each(i, a.next().map(|a| a.1), b.next().map(|b| b.1)),
+            (Some(i), j) if j.is_none_or(|j| i < j) => each(i, a.next().map(|a| a.1), None),
+            (_, Some(j)) => each(j, None, b.next().map(|b| b.1)),
+            (Some(_), None) => unreachable!("the arm before takes it"),
+        }
+    }
+}
+
+/// Patches that see almost nothing but back faces reflect nothing and are seen by nobody.
+fn blacken(x: &mut Symmetric, areas: &[f64]) {
+    let black: Vec<bool> = (0..areas.len()).map(|i| x.sum(i) - x.lost[i] < 1e-3 * areas[i]).collect();
+    for i in 0..areas.len() {
+        for k in x.range(i) {
+            if black[i] || black[x.columns[k] as usize] {
+                x.values[k] = 0.0;
+            }
+        }
+        if black[i] {
+            x.sky[i].clear();
+            x.lost[i] = areas[i];
+        }
+    }
+}
+
+fn defect(x: &Symmetric, areas: &[f64]) -> f64 {
+    (0..areas.len()).into_par_iter().map(|i| (x.sum(i) / areas[i] - 1.0).abs()).reduce(|| 0.0, f64::max)
+}
+
+fn least_squares(x: &mut Symmetric, areas: &[f64]) {
+    let n = areas.len();
+    let diagonal: Vec<f64> = (0..n)
+        .into_par_iter()
+        .map(|i| x.range(i).map(|k| x.values[k] * f64::from(x.free[k])).sum::<f64>() + x.slack(i))
+        .collect();
+    let rhs: Vec<f64> = (0..n).into_par_iter().map(|i| areas[i] - x.sum(i)).collect();
+    let apply = |l: &[f64]| -> Vec<f64> {
+        let row = |i: usize| -> f64 {
+            x.range(i).map(|k| x.values[k] * f64::from(x.free[k]) * l[x.columns[k] as usize]).sum()
+        };
+        (0..n).into_par_iter().map(|i| diagonal[i] * l[i] + row(i)).collect()
+    };
+    let l = gradients(apply, &rhs, &diagonal);
+    // A multiplier near zero or below would not be a share of light any more: leave it all to the scaling.
+    let least = (0..n)
+        .flat_map(|i| x.range(i).map(move |k| (i, k)))
+        .map(|(i, k)| 1.0 + f64::from(x.free[k]) * (l[i] + l[x.columns[k] as usize]))
+        .fold(f64::INFINITY, f64::min);
+    if least < 0.1 || l.iter().any(|l| 1.0 + l < 0.1) {
+        return;
+    }
+    for i in 0..n {
+        for k in x.range(i) {
+            x.values[k] *= 1.0 + f64::from(x.free[k]) * (l[i] + l[x.columns[k] as usize]);
+        }
+        x.sky[i].iter_mut().for_each(|sky| sky.1 *= 1.0 + l[i]);
+        x.lost[i] *= 1.0 + l[i];
+    }
+}
+
+/// Conjugate gradients with the diagonal as preconditioner.
+fn gradients(apply: impl Fn(&[f64]) -> Vec<f64>, rhs: &[f64], diagonal: &[f64]) -> Vec<f64> {
+    let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+    let precondition = |r: &[f64]| -> Vec<f64> {
+        r.iter().zip(diagonal).map(|(r, d)| if *d > 0.0 { r / d } else { 0.0 }).collect()
+    };
+    let mut x = vec![0.0; rhs.len()];
+    let mut r = rhs.to_vec();
+    let mut z = precondition(&r);
+    let mut p = z.clone();
+    let mut rz = dot(&r, &z);
+    let stop = 1e-24 * rz;
+    for _ in 0..100 {
+        if rz <= stop || rz == 0.0 {
+            break;
+        }
+        let ap = apply(&p);
+        let curvature = dot(&p, &ap);
+        if curvature <= 0.0 {
+            break;
+        }
+        let step = rz / curvature;
+        for i in 0..x.len() {
+            x[i] += step * p[i];
+            r[i] -= step * ap[i];
+        }
+        z = precondition(&r);
+        let next = dot(&r, &z);
+        let keep = next / rz;
+        rz = next;
+        p.iter_mut().zip(&z).for_each(|(p, z)| *p = z + keep * *p);
+    }
+    x
+}
+
+/// Symmetric diagonal scaling until every row closes to 1e-10, at most 200 sweeps.
+fn scale(x: &mut Symmetric, areas: &[f64]) -> usize {
+    let n = areas.len();
+    for sweep in 0..200 {
+        let sums: Vec<f64> = (0..n).into_par_iter().map(|i| x.sum(i)).collect();
+        let worst = (0..n).map(|i| (sums[i] / areas[i] - 1.0).abs()).fold(0.0, f64::max);
+        if worst < 1e-10 {
+            return sweep;
+        }
+        let d: Vec<f64> = (0..n).map(|i| if sums[i] > 0.0 { (areas[i] / sums[i]).sqrt() } else { 1.0 }).collect();
+        let (starts, columns) = (&x.starts, &x.columns);
+        let mut rest = x.values.as_mut_slice();
+        let mut rows = Vec::with_capacity(n);
+        for i in 0..n {
+            let (row, after) = rest.split_at_mut(starts[i + 1] - starts[i]);
+            rows.push((i, row));
+            rest = after;
+        }
+        rows.into_par_iter().for_each(|(i, row)| {
+            let columns = &columns[starts[i]..];
+            row.iter_mut().zip(columns).for_each(|(value, &j)| *value *= d[i] * d[j as usize]);
+        });
+        for i in 0..n {
+            x.sky[i].iter_mut().for_each(|sky| sky.1 *= d[i] * d[i]);
+            x.lost[i] *= d[i] * d[i];
+        }
+    }
+    200
+}
+
+/// f32 shares whose f64 sum is at most the target, by lowering the largest one.
+fn store(x: &Symmetric, areas: &[f64], targets: &[f64]) -> Rows {
+    let finished: Vec<Vec<(u32, f32)>> = (0..areas.len())
+        .into_par_iter()
+        .map(|i| {
+            let patches = x.range(i).map(|k| (x.columns[k], x.values[k]));
+            let entries = patches.chain(x.sky[i].iter().copied());
+            let mut row: Vec<(u32, f32)> = entries
+                .map(|(j, value)| (j, (value / areas[i]) as f32))
+                .filter(|entry| entry.1 > 0.0)
+                .collect();
+            cap(&mut row, targets[i]);
+            row
+        })
+        .collect();
+    let mut rows = Rows::default();
+    finished.into_iter().for_each(|row| rows.push(row));
+    rows
+}
+
+/// Lowers the largest weight until the f64 sum of the row is at most its target.
+pub fn cap(row: &mut [(u32, f32)], target: f64) {
+    for _ in 0..64 {
+        let sum: f64 = row.iter().map(|entry| f64::from(entry.1)).sum();
+        let Some(largest) = row.iter_mut().max_by(|a, b| a.1.total_cmp(&b.1)) else { return };
+        if sum <= target {
+            return;
+        }
+        let lowered = (f64::from(largest.1) - (sum - target)).max(0.0) as f32;
+        largest.1 = if lowered < largest.1 { lowered } else { largest.1.next_down().max(0.0) };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_row_is_capped_from_above_and_hardly() {
+        let mut row: Vec<(u32, f32)> = (0..1000).map(|j| (j, 1.0 / 999.9995)).collect();
+        cap(&mut row, 1.0);
+        let sum: f64 = row.iter().map(|entry| f64::from(entry.1)).sum();
+        assert!(sum <= 1.0 && sum >= 1.0 - 2e-7, "{sum}");
+    }
+}

@@ -1,0 +1,207 @@
+//! Where charts cross or touch: the lines along which they are cut, so that no patch and no receiver straddles
+//! a wall that stands on its floor.
+
+use std::collections::{HashMap, HashSet};
+use std::time::Duration;
+
+use glam::{DVec2, DVec3, Vec3A};
+use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::builder::build_bvh2;
+
+use crate::chart::{Chart, Charts, Frame};
+use crate::surface::Surface;
+
+/// Segments by chart, in the chart's plane, clipped to it.
+pub type Cuts = HashMap<u32, Vec<[DVec2; 2]>>;
+
+/// `size`: the length of the pieces that charts are divided into. Charts of at least that size are cut by
+/// everything; smaller ones are cut by those.
+pub fn cuts(surface: &Surface, charts: &Charts, size: impl Fn(u32) -> f64) -> Cuts {
+    let pairs = touching(surface, charts, &size);
+    let mut cuts = Cuts::new();
+    let mut chart_ids: Vec<u32> = pairs.keys().copied().collect();
+    chart_ids.sort_unstable();
+    for id in chart_ids {
+        let chart = &charts.charts[id as usize];
+        let reach = contact(size(id));
+        let mut segments: Vec<[DVec2; 2]> = Vec::new();
+        for &other in &pairs[&id] {
+            for segment in meet(&chart.frame, surface.triangles[other as usize].positions(), reach) {
+                clip(surface, chart, segment, reach, &mut segments);
+            }
+        }
+        let segments = tidy(charts, chart, segments, reach);
+        if !segments.is_empty() {
+            cuts.insert(id, segments);
+        }
+    }
+    cuts
+}
+
+/// Things nearer than this touch.
+pub fn contact(size: f64) -> f64 {
+    (1e-3 * size).clamp(2e-6, 1e-4)
+}
+
+/// By chart: triangles of other charts whose boxes meet it.
+fn touching(surface: &Surface, charts: &Charts, size: &impl Fn(u32) -> f64) -> HashMap<u32, Vec<u32>> {
+    let boxes: Vec<Aabb> = surface
+        .triangles
+        .iter()
+        .map(|triangle| {
+            let corners = triangle.positions().map(|p| Vec3A::from(p.as_vec3()));
+            Aabb::from_points(&corners)
+        })
+        .collect();
+    let mut pairs: HashMap<u32, HashSet<u32>> = HashMap::new();
+    if boxes.is_empty() {
+        return HashMap::new();
+    }
+    let tree = build_bvh2(&boxes, BvhBuildParams::fast_build(), &mut Duration::default());
+    for (id, chart) in charts.charts.iter().enumerate() {
+        let size = size(id as u32);
+        if chart.area < size * size {
+            continue;
+        }
+        for &t in &chart.triangles {
+            let mut reach = boxes[t as usize];
+            let margin = Vec3A::splat(contact(size) as f32 * 2.0);
+            reach.min -= margin;
+            reach.max += margin;
+            tree.aabb_traverse(reach, |tree, node| {
+                let node = &tree.nodes[node as usize];
+                let first = node.first_index as usize;
+                for &other in &tree.primitive_indices[first..first + node.prim_count as usize] {
+                    let other_chart = charts.chart_of[other as usize];
+                    if other_chart != id as u32 && boxes[other as usize].intersect_aabb(&reach) {
+                        pairs.entry(id as u32).or_default().insert(other);
+                        pairs.entry(other_chart).or_default().insert(t);
+                    }
+                }
+                true
+            });
+        }
+    }
+    let sorted = |set: HashSet<u32>| {
+        let mut sorted: Vec<u32> = set.into_iter().collect();
+        sorted.sort_unstable();
+        sorted
+    };
+    pairs.into_iter().map(|(id, set)| (id, sorted(set))).collect()
+}
+
+/// Where a triangle meets a plane: a segment, its sides where it lies in the plane, or nothing.
+fn meet(frame: &Frame, triangle: [DVec3; 3], reach: f64) -> Vec<[DVec2; 2]> {
+    let heights = triangle.map(|p| {
+        let height = frame.height(p);
+        if height.abs() <= reach { 0.0 } else { height }
+    });
+    let flat = triangle.map(|p| frame.flat(p));
+    let on: Vec<usize> = (0..3).filter(|&k| heights[k] == 0.0).collect();
+    if on.len() == 3 {
+        return vec![[flat[0], flat[1]], [flat[1], flat[2]], [flat[2], flat[0]]];
+    }
+    if on.len() == 2 {
+        return vec![[flat[on[0]], flat[on[1]]]];
+    }
+    let mut points: Vec<DVec2> = on.iter().map(|&k| flat[k]).collect();
+    for k in 0..3 {
+        let (a, b) = (heights[k], heights[(k + 1) % 3]);
+        if a * b < 0.0 {
+            points.push(flat[k].lerp(flat[(k + 1) % 3], a / (a - b)));
+        }
+    }
+    if points.len() == 2 { vec![[points[0], points[1]]] } else { Vec::new() }
+}
+
+/// The parts of a segment that lie in the chart.
+fn clip(surface: &Surface, chart: &Chart, [a, b]: [DVec2; 2], reach: f64, out: &mut Vec<[DVec2; 2]>) {
+    let length = (b - a).length();
+    if length <= reach {
+        return;
+    }
+    let mut inside: Vec<(f64, f64)> = chart
+        .triangles
+        .iter()
+        .filter_map(|&t| {
+            let corners = surface.triangles[t as usize].positions().map(|p| chart.frame.flat(p));
+            inside_triangle(corners, a, b, reach)
+        })
+        .collect();
+    inside.sort_by(|p, q| p.0.total_cmp(&q.0));
+    let mut joined: Vec<(f64, f64)> = Vec::new();
+    for (from, to) in inside {
+        match joined.last_mut() {
+            Some(last) if from <= last.1 + reach / length => last.1 = last.1.max(to),
+            _ => joined.push((from, to)),
+        }
+    }
+    out.extend(
+        joined
+            .into_iter()
+            .filter(|(from, to)| (to - from) * length > reach)
+            .map(|(from, to)| [a.lerp(b, from), a.lerp(b, to)]),
+    );
+}
+
+/// The share of a segment inside a counter-clockwise triangle, grown by `reach` (Cyrus and Beck).
+fn inside_triangle(corners: [DVec2; 3], a: DVec2, b: DVec2, reach: f64) -> Option<(f64, f64)> {
+    let (mut from, mut to) = (0.0_f64, 1.0_f64);
+    for k in 0..3 {
+        let side = corners[(k + 1) % 3] - corners[k];
+        let inward = side.perp() / side.length().max(1e-300);
+        let (p, q) = (inward.dot(a - corners[k]) + reach, inward.dot(b - corners[k]) + reach);
+        if p < 0.0 && q < 0.0 {
+            return None;
+        }
+        if p < 0.0 {
+            from = from.max(p / (p - q));
+        } else if q < 0.0 {
+            to = to.min(p / (p - q));
+        }
+    }
+    (from < to).then_some((from, to))
+}
+
+/// Ends snap to the outline where they are near it; segments along the outline and doubles are dropped.
+fn tidy(charts: &Charts, chart: &Chart, segments: Vec<[DVec2; 2]>, reach: f64) -> Vec<[DVec2; 2]> {
+    let snap = 2.0 * reach;
+    let outline: Vec<[DVec2; 2]> = chart
+        .outline
+        .iter()
+        .map(|edge| edge.map(|vertex| chart.frame.flat(charts.positions[vertex as usize])))
+        .collect();
+    let mut known: Vec<DVec2> = Vec::new();
+    let mut snapped = |p: DVec2| {
+        let corner = outline.iter().flatten().find(|corner| corner.distance(p) <= snap);
+        let on_edge = || outline.iter().map(|&edge| foot(edge, p)).find(|foot| foot.distance(p) <= snap);
+        let p = corner.copied().or_else(on_edge).unwrap_or(p);
+        if let Some(&same) = known.iter().find(|known| known.distance(p) <= snap) {
+            return same;
+        }
+        known.push(p);
+        p
+    };
+    let mut seen = HashSet::new();
+    let mut tidy = Vec::new();
+    for [a, b] in segments {
+        let (a, b) = (snapped(a), snapped(b));
+        let bits = |p: DVec2| p.to_array().map(f64::to_bits);
+        let along = outline
+            .iter()
+            .any(|&edge| foot(edge, a).distance(a) <= snap && foot(edge, b).distance(b) <= snap);
+        let key = if bits(a) < bits(b) { (bits(a), bits(b)) } else { (bits(b), bits(a)) };
+        if a != b && !along && seen.insert(key) {
+            tidy.push([a, b]);
+        }
+    }
+    tidy
+}
+
+/// The nearest point of a segment.
+pub fn foot([a, b]: [DVec2; 2], p: DVec2) -> DVec2 {
+    let along = b - a;
+    let t = ((p - a).dot(along) / along.length_squared().max(1e-300)).clamp(0.0, 1.0);
+    a + along * t
+}

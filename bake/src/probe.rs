@@ -1,0 +1,79 @@
+//! Light-probe rows: what each patch and sky patch adds to the nine SH coefficients of the light at a point.
+//!
+//! ```text
+//! L_lm = Int L(w) Y_lm(w) dw  ~  Sum_t W_lm,t B_t        W_lm,t = 4/R * Sum over rays that hit t of Y_lm
+//! ```
+//! (4 pi / R for the sphere's solid angle, 1/pi from radiosity to radiance.) Emitters are sampled towards, with
+//! A cos / (r^2 n) in place of 4 pi / R.
+
+use std::f32::consts::PI;
+
+use engine::transport::sh::{COEFFICIENTS, basis};
+use glam::Vec3;
+
+use crate::directions::{Sobol, hash, sphere_direction, unit};
+use crate::emitter::Emitters;
+use crate::layout::Places;
+use crate::rays::Tracer;
+
+/// Nine weights by column, columns ascending.
+pub struct ProbeRow {
+    pub entries: Vec<(u32, [f64; COEFFICIENTS])>,
+    /// Share of rays that met back faces.
+    pub lost: f64,
+}
+
+pub fn probe_row(tracer: &Tracer, emitters: &Emitters, position: Vec3, sobol: &Sobol, rays: u32, key: u64) -> ProbeRow {
+    let mut weights: std::collections::BTreeMap<u32, [f64; COEFFICIENTS]> = std::collections::BTreeMap::new();
+    let mut lost = 0_u32;
+    for ray in 0..rays {
+        let [u, v, ..] = sobol.point(ray, key);
+        let direction = sphere_direction(u, v);
+        let chance = unit(hash(key ^ u64::from(ray)) as u32);
+        match tracer.column(position, Vec3::ZERO, direction, chance) {
+            Some(column) if !is_emitter(emitters, column) => {
+                add(weights.entry(column).or_default(), direction, 4.0 / f64::from(rays));
+            }
+            Some(_) => {}
+            None => lost += 1,
+        }
+    }
+    for &patch in &emitters.patches {
+        let towards = towards(tracer, position, patch, sobol, key);
+        if towards[0] > 0.0 {
+            weights.insert(patch, towards);
+        }
+    }
+    ProbeRow { entries: weights.into_iter().collect(), lost: f64::from(lost) / f64::from(rays) }
+}
+
+fn is_emitter(emitters: &Emitters, column: u32) -> bool {
+    emitters.is_emitter.get(column as usize).copied().unwrap_or(false)
+}
+
+fn add(weights: &mut [f64; COEFFICIENTS], direction: Vec3, weight: f64) {
+    for (sum, y) in weights.iter_mut().zip(basis(direction)) {
+        *sum += weight * f64::from(y);
+    }
+}
+
+/// One emitter's weights.
+fn towards(tracer: &Tracer, position: Vec3, patch: u32, sobol: &Sobol, key: u64) -> [f64; COEFFICIENTS] {
+    const RAYS: u32 = 64;
+    let places = Places::of(tracer.scene, patch as usize);
+    let area = tracer.scene.patch_areas[patch as usize] as f32;
+    let seed = hash(key ^ tracer.scene.patch_keys[patch as usize]);
+    let mut weights = [0.0; COEFFICIENTS];
+    for k in 0..RAYS {
+        let [u, v, ..] = sobol.point(k, seed);
+        let (at, facing, _) = places.at(u, v);
+        let way = at - position;
+        let distance = way.length();
+        let solid_angle = area * (-facing.dot(way)).max(0.0) / (distance * distance * distance * RAYS as f32);
+        let chance = unit(hash(seed ^ u64::from(k)) as u32);
+        if solid_angle > 0.0 && tracer.bvh.visible(position, Vec3::ZERO, at, chance, tracer.holes) {
+            add(&mut weights, way / distance, f64::from(solid_angle.min(4.0 * PI) / PI));
+        }
+    }
+    weights
+}

@@ -1,0 +1,210 @@
+//! Sanitise: all static triangles in one space, in f64, rebased to a near origin and scaled by a power of two.
+//!
+//! The origin snaps to a grid whose step is a power of two of the scene's size, and so does the unit: a scene
+//! that is moved by whole steps, or scaled by 2^k, gives the same numbers and the same bake, bit for bit.
+
+use std::collections::HashMap;
+
+use engine::scene::assets::Assets;
+use engine::scene::transform::normal_matrix;
+use engine::scene::{Entity, Mesh, Scene, SceneError, Warning, world_from_local};
+use engine::transport::Batch;
+use glam::{DAffine3, DVec3, Vec2, Vec3};
+
+/// Everything static, in scaled space: world = origin + unit * position.
+#[derive(Default)]
+pub struct Surface {
+    pub origin: DVec3,
+    /// Metres; a power of two. The scene fits into about one unit.
+    pub unit: f64,
+    pub batches: Vec<Batch>,
+    pub batch_names: Vec<String>,
+    pub triangles: Vec<Triangle>,
+    /// Without area or with repeated indices.
+    pub dropped: usize,
+    pub warnings: Vec<Warning>,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub struct Triangle {
+    pub corners: [Corner; 3],
+    pub batch: u32,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Corner {
+    pub position: DVec3,
+    pub normal: Vec3,
+    pub tangent: [f32; 4],
+    pub uv: [Vec2; 2],
+    pub color: [f32; 4],
+    /// Painted density times the object's scale.
+    pub density: f32,
+}
+
+impl Triangle {
+    pub fn positions(&self) -> [DVec3; 3] {
+        self.corners.map(|corner| corner.position)
+    }
+
+    /// Twice the area, along the normal.
+    pub fn cross(&self) -> DVec3 {
+        let [a, b, c] = self.positions();
+        (b - a).cross(c - a)
+    }
+}
+
+/// Is this entity baked: static, visible (its ancestors too) and drawn?
+pub fn is_baked(scene: &Scene, entity: &Entity) -> bool {
+    entity.is_static && entity.mesh.is_some() && !is_hidden(scene, entity)
+}
+
+fn is_hidden(scene: &Scene, entity: &Entity) -> bool {
+    let mut at = Some(entity);
+    let mut steps = 0;
+    while let Some(entity) = at {
+        if entity.hidden {
+            return true;
+        }
+        steps += 1;
+        at = entity.parent.filter(|_| steps <= scene.entities.len()).and_then(|parent| scene.entity(parent));
+    }
+    false
+}
+
+/// Gathers all static triangles. NaN and infinity are refused with the entity's name.
+pub fn sanitise(scene: &Scene, assets: &Assets) -> Result<Surface, SceneError> {
+    let mut surface = Surface::default();
+    let world = world_from_local(scene);
+    let mut order: Vec<usize> =
+        (0..scene.entities.len()).filter(|&i| is_baked(scene, &scene.entities[i])).collect();
+    order.sort_by_key(|&i| scene.entities[i].id);
+    for index in order {
+        gather(scene, assets, &scene.entities[index], &world[index], &mut surface)?;
+    }
+    rebase(&mut surface);
+    drop_degenerate(&mut surface);
+    drop_duplicates(&mut surface);
+    Ok(surface)
+}
+
+fn gather(
+    scene: &Scene,
+    assets: &Assets,
+    entity: &Entity,
+    world_from_local: &DAffine3,
+    surface: &mut Surface,
+) -> Result<(), SceneError> {
+    let Some(renderer) = &entity.mesh else { return Ok(()) };
+    let Some(mesh) = assets.meshes.get(&renderer.mesh) else { return Ok(()) };
+    let refuse = |message: String| SceneError::Entity { entity: entity.name.clone(), message };
+    mesh.validate().map_err(refuse)?;
+    if !world_from_local.is_finite() {
+        return Err(refuse("its transform is not finite: correct it or one of its parents'".to_owned()));
+    }
+    let mirrored = world_from_local.matrix3.determinant() < 0.0;
+    let placed: Vec<Corner> = (0..mesh.positions.len())
+        .map(|vertex| place(mesh, vertex, world_from_local, renderer.density.at(vertex)))
+        .collect();
+    for (slot, primitive) in mesh.primitives.iter().enumerate() {
+        let material = renderer.materials.get(slot).or(renderer.materials.last()).copied();
+        let double_sided = material.and_then(|id| scene.material(id)).is_some_and(|m| m.double_sided);
+        let batch = surface.batches.len() as u32;
+        surface.batches.push(Batch {
+            entity: [entity.id.0 as u32, (entity.id.0 >> 32) as u32],
+            material: material.map_or(u32::MAX, |id| id.0),
+            double_sided: u32::from(double_sided),
+            first: 0,
+            count: 0,
+        });
+        surface.batch_names.push(entity.name.clone());
+        let indices = &mesh.indices[primitive.first as usize..][..primitive.count as usize];
+        for t in indices.chunks_exact(3) {
+            let mut corners = [t[0], t[1], t[2]].map(|vertex| placed[vertex as usize]);
+            if corners.iter().any(|corner| !corner.position.is_finite()) {
+                return Err(refuse("a vertex is not finite: repair the mesh".to_owned()));
+            }
+            if mirrored {
+                corners.swap(1, 2);
+            }
+            surface.triangles.push(Triangle { corners, batch });
+        }
+    }
+    Ok(())
+}
+
+fn place(mesh: &Mesh, vertex: usize, world_from_local: &DAffine3, density: f32) -> Corner {
+    let normal = normal_matrix(world_from_local) * mesh.normals[vertex].as_dvec3();
+    let tangent = mesh.tangents.as_ref().map_or([0.0; 4], |tangents| {
+        let t = world_from_local.transform_vector3(tangents[vertex].truncate().as_dvec3());
+        let mirror = if world_from_local.matrix3.determinant() < 0.0 { -1.0 } else { 1.0 };
+        t.normalize_or_zero().as_vec3().extend(tangents[vertex].w * mirror).to_array()
+    });
+    Corner {
+        position: world_from_local.transform_point3(mesh.positions[vertex].as_dvec3()),
+        normal: normal.normalize_or_zero().as_vec3(),
+        tangent,
+        uv: [mesh.uv(0, vertex), mesh.uv(1, vertex)],
+        color: mesh.color(vertex).to_array(),
+        density,
+    }
+}
+
+/// Moves the scene near the origin and scales it to about one unit, both by powers of two.
+fn rebase(surface: &mut Surface) {
+    let positions = || surface.triangles.iter().flat_map(Triangle::positions);
+    let low = positions().fold(DVec3::INFINITY, DVec3::min);
+    let high = positions().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let extent = (high - low).max_element();
+    let unit = if extent > 0.0 && extent.is_finite() { extent.log2().ceil().exp2() } else { 1.0 };
+    let origin = if extent.is_finite() { ((low + high) * 0.5 / unit).round() * unit } else { DVec3::ZERO };
+    for corner in surface.triangles.iter_mut().flat_map(|triangle| &mut triangle.corners) {
+        corner.position = (corner.position - origin) / unit;
+    }
+    (surface.origin, surface.unit) = (origin, unit);
+    if origin.abs().max_element() > 1e5 * unit {
+        let message = format!("the scene lies {:.0} m from the origin", origin.length());
+        surface.warnings.push(Warning::new("scene", message));
+    }
+}
+
+/// Without area: nothing to see and nothing to divide by. Slivers of aspect 1e6 stay.
+fn drop_degenerate(surface: &mut Surface) {
+    let before = surface.triangles.len();
+    surface.triangles.retain(|triangle| {
+        let [a, b, c] = triangle.positions().map(|p| p.as_vec3());
+        let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
+        let cross = triangle.cross().length();
+        a != b && b != c && c != a && cross > 1e-9 * f64::from(longest) && cross > 1e-18
+    });
+    surface.dropped += before - surface.triangles.len();
+    for triangle in &mut surface.triangles {
+        let normal = triangle.cross().normalize_or_zero().as_vec3();
+        for corner in &mut triangle.corners {
+            // A shading normal that looks away from its own face is no normal.
+            if corner.normal.dot(normal) < 1e-3 {
+                corner.normal = normal;
+            }
+        }
+    }
+}
+
+/// The same triangle twice, facing the same way: the first one stays.
+fn drop_duplicates(surface: &mut Surface) {
+    let mut seen: HashMap<[[u32; 3]; 3], ()> = HashMap::with_capacity(surface.triangles.len());
+    let mut duplicates: Vec<usize> = vec![0; surface.batches.len()];
+    surface.triangles.retain(|triangle| {
+        let mut key = triangle.positions().map(|p| (p.as_vec3() + 0.0).to_array().map(f32::to_bits));
+        let first = (0..3).min_by_key(|&i| key[i]).unwrap_or(0);
+        key.rotate_left(first);
+        let new = seen.insert(key, ()).is_none();
+        duplicates[triangle.batch as usize] += usize::from(!new);
+        new
+    });
+    for (batch, &count) in duplicates.iter().enumerate().filter(|&(_, &count)| count > 0) {
+        let message =
+            format!("{count} triangles lie exactly on others that face the same way; they are left out");
+        surface.warnings.push(Warning::new(&surface.batch_names[batch], message));
+        surface.dropped += count;
+    }
+}
