@@ -77,7 +77,8 @@ fn correct(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) gr
         return;
     }
     var change = vec3f(0.0);
-    if coarse.aggregates > 0u {
+    // A patch may belong to none.
+    if patches[i].aggregate < coarse.aggregates {
         change = correction_now[patches[i].aggregate].xyz;
     }
     let b = max(next[i].xyz + change, exitance[i].xyz);

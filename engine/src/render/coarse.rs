@@ -10,6 +10,7 @@ use super::spaces::Spaces;
 use crate::gpu::pass::{self, Binding, GROUP};
 use crate::gpu::shader::Library;
 use crate::gpu::{Gpu, GpuError, buffer};
+use crate::transport::solve;
 
 /// `Coarse` in `transport/coarse.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -84,15 +85,18 @@ impl Coarse {
         })
     }
 
-    /// `restricted`: aggregates x patches, `inverse`: aggregates x aggregates, both by rows, rgb. None: no
-    /// correction. Done again when albedo changes.
-    pub fn set(&mut self, gpu: &Gpu, restricted: &[Vec4], inverse: &[Vec4]) -> Result<(), GpuError> {
-        let aggregates = (inverse.len() as f64).sqrt() as usize;
-        let patches = self.uniform.patches as usize;
-        debug_assert_eq!(restricted.len(), aggregates * patches);
-        gpu.fits("coarse correction", restricted.len() as u64 * 16)?;
-        self.uniform.aggregates = if aggregates <= MOST { aggregates as u32 } else { 0 };
-        self.own = own(gpu, &self.layouts, self.uniform, restricted, inverse);
+    /// No aggregates: no correction. Done again when albedo changes.
+    pub fn set(&mut self, gpu: &Gpu, coarse: &solve::Coarse) -> Result<(), GpuError> {
+        gpu.fits("coarse correction", coarse.restricted.len() as u64 * 16)?;
+        // One workgroup solves: more aggregates than it has threads are as good as none.
+        let aggregates = if coarse.m <= MOST { coarse.m } else { 0 };
+        let restricted = &coarse.restricted[..aggregates * self.uniform.patches as usize];
+        let [red, green, blue] = &coarse.inverse;
+        let inverse: Vec<Vec4> = (0..aggregates * aggregates)
+            .map(|i| Vec4::new(red[i], green[i], blue[i], 0.0))
+            .collect();
+        self.uniform.aggregates = aggregates as u32;
+        self.own = own(gpu, &self.layouts, self.uniform, restricted, &inverse);
         self.bytes = (restricted.len() + inverse.len()) as u64 * 16;
         Ok(())
     }

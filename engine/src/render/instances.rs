@@ -105,6 +105,11 @@ impl Instances {
         self.buffer.write(gpu, &self.items);
     }
 
+    /// By itself or by one of its parents.
+    pub fn is_hidden(&self, entity: EntityId) -> bool {
+        self.index_of.get(&entity).is_none_or(|&index| self.hidden[index])
+    }
+
     /// Whether anything is drawn that the bake does not light.
     pub fn any_moving(&self) -> bool {
         !self.items.is_empty()

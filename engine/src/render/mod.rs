@@ -20,6 +20,7 @@ pub mod rows;
 pub mod shaders;
 pub mod shadow;
 pub mod sky;
+pub mod sources;
 pub mod spaces;
 pub mod surface;
 pub mod targets;

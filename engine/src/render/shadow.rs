@@ -10,7 +10,7 @@ use glam::{Mat4, Vec3, Vec4};
 use wgpu::BufferUsages as Usage;
 
 use super::instances::{Draw, Instances, Pass};
-use super::lights::{GpuLight, PlacedLight};
+use super::lights::{self, GpuLight};
 use super::materials::Materials;
 use super::meshes::{Meshes, StillBuffers};
 use super::view::{orthographic, perspective, view_from_world};
@@ -21,6 +21,7 @@ use crate::gpu::shader::Library;
 use crate::gpu::timing::Timer;
 use crate::gpu::{Gpu, GpuError, texture};
 use crate::scene::LightKind;
+use crate::transport::direct::PlacedLight;
 
 /// `ShadowView` in `shadow.wgsl`, and the room that a dynamic offset leaves.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -155,12 +156,12 @@ impl Shadows {
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
         timer: &mut Timer,
-        lights: &[PlacedLight],
+        placed: &[PlacedLight],
         casters: &Casters<'_>,
     ) -> Shadowed {
         self.fit = fit(self.fit, casters.instances);
-        self.make_room(gpu, lights);
-        let (on_gpu, seen) = self.assign(lights);
+        self.make_room(gpu, placed);
+        let (on_gpu, seen) = self.assign(placed);
         let matrices: Vec<Mat4> = seen.iter().map(|seen| seen.clip_from_world).collect();
         let slots: Vec<ShadowView> = matrices
             .iter()
@@ -183,9 +184,9 @@ impl Shadows {
     }
 
     /// Textures with a layer for every light that casts shadows.
-    fn make_room(&mut self, gpu: &Gpu, lights: &[PlacedLight]) {
+    fn make_room(&mut self, gpu: &Gpu, placed: &[PlacedLight]) {
         let mut wanted = [0; 3];
-        for light in lights.iter().filter(|light| light.casts_shadows) {
+        for light in placed.iter().filter(|light| light.light.casts_shadows) {
             wanted[kind_of(light)] += 1;
         }
         self.left_out = (0..3).map(|kind| wanted[kind] - MOST[kind].min(wanted[kind])).sum();
@@ -200,22 +201,22 @@ impl Shadows {
     }
 
     /// Which light has which map, for all lights that shine.
-    fn assign(&self, lights: &[PlacedLight]) -> (Vec<GpuLight>, Vec<Seen>) {
+    fn assign(&self, placed: &[PlacedLight]) -> (Vec<GpuLight>, Vec<Seen>) {
         let (mut on_gpu, mut seen) = (Vec::new(), Vec::new());
         let mut next = [0; 3];
-        for light in lights {
+        for light in placed {
             let kind = kind_of(light);
-            let mut described = light.on_gpu();
-            if light.casts_shadows && next[kind] < MOST[kind] {
+            let mut described = lights::on_gpu(light);
+            if light.light.casts_shadows && next[kind] < MOST[kind] {
                 let layer = next[kind] * if kind == POINT { 6 } else { 1 };
                 next[kind] += 1;
-                if light.shines() {
+                if lights::shines(light) {
                     described.layer = layer as i32;
                     described.first_view = seen.len() as u32;
                     described.texel = self.see(light, layer, &mut seen);
                 }
             }
-            if light.shines() {
+            if lights::shines(light) {
                 on_gpu.push(described);
             }
         }
@@ -226,9 +227,9 @@ impl Shadows {
     fn see(&self, light: &PlacedLight, layer: usize, seen: &mut Vec<Seen>) -> f32 {
         let kind = kind_of(light);
         let size = self.maps[kind].size as f32;
-        let reach = light.range.map(|range| (light.position, range));
+        let reach = light.light.range.map(|range| (light.position, range));
         let mut add = |layer, clip_from_world, reach| seen.push(Seen { kind, layer, clip_from_world, reach });
-        match light.kind {
+        match light.light.kind {
             LightKind::Sun => {
                 let (clip_from_world, texel) = sun_view(light.direction, self.fit, size);
                 add(layer, clip_from_world, None);
@@ -339,7 +340,7 @@ fn signature(seen: &Seen, casters: &Casters<'_>) -> u64 {
 }
 
 fn kind_of(light: &PlacedLight) -> usize {
-    match light.kind {
+    match light.light.kind {
         LightKind::Sun => SUN,
         LightKind::Spot { .. } => SPOT,
         LightKind::Point => POINT,

@@ -3,7 +3,6 @@
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-use super::lights::PlacedLight;
 use super::pictures::Pictures;
 use super::{shaders, surface, targets};
 use crate::gpu::pass::{self, Binding};
@@ -12,6 +11,7 @@ use crate::gpu::texture::Encoding;
 use crate::gpu::{Gpu, GpuError, buffer};
 use crate::scene::assets::Assets;
 use crate::scene::{ImageSource, SkyKind};
+use crate::transport::direct::PlacedLight;
 
 /// `Sky` in `sky.wgsl`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -156,7 +156,7 @@ fn uniform<'a>(sky: &'a SkyKind, lights: &[PlacedLight]) -> (SkyUniform, Option<
                 uniform.sun = -light.direction;
                 // A disc of this radius and radiance gives the light's irradiance.
                 let solid_angle = std::f32::consts::PI * uniform.sun_radius * uniform.sun_radius;
-                uniform.sun_radiance = light.power / solid_angle;
+                uniform.sun_radiance = light.light.power() / solid_angle;
             }
         }
         SkyKind::Picture { image, strength, turn } => {
