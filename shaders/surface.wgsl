@@ -3,7 +3,7 @@
 // digit; GGX (Walter et al. 2007, height-correlated Smith by Heitz 2014) with Schlick's Fresnel on top.
 #import hohlraum::frame::{frame, to_eye, COMPOSITE, DIRECT, INDIRECT, ALBEDO}
 #import hohlraum::scene::mesh::{Still, Moving, moved, moved_normal, moved_tangent}
-#import hohlraum::scene::material::{material, base_color, metal, emission, bump, is, mapped, MASK, BLEND, UNLIT}
+#import hohlraum::scene::material::{material, base_color, metal, emission_at, bump, is, mapped, MASK, BLEND, UNLIT}
 #import hohlraum::scene::light::{lights, arrival, visible}
 #import hohlraum::transport::sh
 
@@ -108,7 +108,7 @@ fn surfel(point: Point, front_facing: bool) -> Surfel {
     here.alpha = base.a;
     here.metallic = saturate(metals.x);
     here.roughness = clamp(metals.y, 0.045, 1.0);
-    here.emission = emission(point.uv);
+    here.emission = emission_at(point.uv);
     here.direct = select(point.back_direct, point.front_direct, front);
     here.indirect = select(point.back_indirect, point.front_indirect, front);
     return here;

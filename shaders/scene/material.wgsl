@@ -60,7 +60,7 @@ fn metal(uv: vec4f) -> vec2f {
     return vec2f(material.metallic * texel.b, material.roughness * texel.g);
 }
 
-fn emission(uv: vec4f) -> vec3f {
+fn emission_at(uv: vec4f) -> vec3f {
     return material.emission
         * textureSample(emission_picture, emission_sampler, mapped(material.emission_map, uv)).rgb;
 }

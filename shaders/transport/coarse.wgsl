@@ -16,14 +16,14 @@ struct Coarse {
 
 @group(3) @binding(0) var<uniform> coarse: Coarse;
 
-// restrict: one thread an aggregate and stretch of patches
+// restrict_change: one thread an aggregate and stretch of patches
 @group(2) @binding(0) var<storage, read> radiosity_before: array<vec4f>;
 @group(2) @binding(1) var<storage, read> next: array<vec4f>;
 @group(3) @binding(1) var<storage, read> restricted: array<vec4f>;
 @group(3) @binding(2) var<storage, read_write> parts: array<vec4f>;
 
 @compute @workgroup_size(64)
-fn restrict(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+fn restrict_change(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = id.y * groups.x * 64u + id.x;
     if i >= coarse.aggregates * coarse.chunks {
         return;

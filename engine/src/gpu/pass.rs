@@ -43,11 +43,8 @@ pub fn layout(
 }
 
 fn binding_type(binding: Binding) -> wgpu::BindingType {
-    let buffer = |ty, has_dynamic_offset| wgpu::BindingType::Buffer {
-        ty,
-        has_dynamic_offset,
-        min_binding_size: None,
-    };
+    let buffer =
+        |ty, has_dynamic_offset| wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
     let texture = |sample_type, view_dimension, multisampled| wgpu::BindingType::Texture {
         sample_type,
         view_dimension,
@@ -79,11 +76,7 @@ pub fn group(
         .zip(resources)
         .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource: resource.clone() })
         .collect();
-    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some(label),
-        layout,
-        entries: &entries,
-    })
+    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
 }
 
 /// A group of whole buffers.
@@ -185,8 +178,7 @@ pub fn draw_into<'a>(
     view: &wgpu::TextureView,
     timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
 ) -> wgpu::RenderPass<'a> {
-    let ops =
-        wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store };
+    let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store };
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some(label),
         color_attachments: &[Some(wgpu::RenderPassColorAttachment {

@@ -41,6 +41,26 @@ pub fn target(
     })
 }
 
+/// A texture to draw into and nothing else.
+pub fn samples(
+    gpu: &Gpu,
+    label: &str,
+    size: [u32; 2],
+    samples: u32,
+    format: wgpu::TextureFormat,
+) -> wgpu::Texture {
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: extent(size, 1),
+        mip_level_count: 1,
+        sample_count: samples,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+        view_formats: &[],
+    })
+}
+
 pub fn depth_layers(gpu: &Gpu, label: &str, size: u32, layers: u32) -> wgpu::Texture {
     gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some(label),
@@ -73,7 +93,13 @@ pub fn layer(texture: &wgpu::Texture, layer: u32) -> wgpu::TextureView {
 }
 
 /// A picture without its smaller levels yet: 8 bits RGBA rows from the top.
-pub fn rgba8(gpu: &Gpu, label: &str, size: [u32; 2], pixels: &[[u8; 4]], encoding: Encoding) -> wgpu::Texture {
+pub fn rgba8(
+    gpu: &Gpu,
+    label: &str,
+    size: [u32; 2],
+    pixels: &[[u8; 4]],
+    encoding: Encoding,
+) -> wgpu::Texture {
     let format = match encoding {
         Encoding::Srgb => wgpu::TextureFormat::Rgba8UnormSrgb,
         Encoding::Linear => wgpu::TextureFormat::Rgba8Unorm,
@@ -106,11 +132,8 @@ fn picture(
             | wgpu::TextureUsages::RENDER_ATTACHMENT,
         view_formats: &[],
     });
-    let layout = wgpu::TexelCopyBufferLayout {
-        offset: 0,
-        bytes_per_row: Some(size[0] * texel),
-        rows_per_image: None,
-    };
+    let layout =
+        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(size[0] * texel), rows_per_image: None };
     gpu.queue.write_texture(texture.as_image_copy(), bytes, layout, extent(size, 1));
     texture
 }
@@ -126,8 +149,7 @@ pub fn read(gpu: &Gpu, texture: &wgpu::Texture, texel: u32) -> Result<Vec<u8>, G
     let padded = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
     let staging = buffer::staging(gpu, u64::from(padded) * u64::from(height));
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    let layout =
-        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(padded), rows_per_image: None };
+    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(padded), rows_per_image: None };
     encoder.copy_texture_to_buffer(
         texture.as_image_copy(),
         wgpu::TexelCopyBufferInfo { buffer: &staging, layout },

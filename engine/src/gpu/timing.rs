@@ -31,13 +31,7 @@ struct Stamps {
 impl Timer {
     pub fn new(gpu: &Gpu) -> Self {
         let stamps = gpu.has(wgpu::Features::TIMESTAMP_QUERY).then(|| Stamps::new(gpu));
-        Self {
-            stamps,
-            stamped: Vec::new(),
-            recorded: Vec::new(),
-            open: None,
-            frames: BTreeMap::new(),
-        }
+        Self { stamps, stamped: Vec::new(), recorded: Vec::new(), open: None, frames: BTreeMap::new() }
     }
 
     /// Whether times are the GPU's own.
@@ -129,10 +123,7 @@ impl Timer {
     }
 }
 
-fn add(
-    frames: &mut BTreeMap<&'static str, Vec<f64>>,
-    spans: impl IntoIterator<Item = (&'static str, f64)>,
-) {
+fn add(frames: &mut BTreeMap<&'static str, Vec<f64>>, spans: impl IntoIterator<Item = (&'static str, f64)>) {
     let mut sums: BTreeMap<&'static str, f64> = BTreeMap::new();
     for (name, milliseconds) in spans {
         *sums.entry(name).or_default() += milliseconds;

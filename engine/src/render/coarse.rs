@@ -42,9 +42,8 @@ impl Coarse {
     pub fn new(gpu: &Gpu, library: &mut Library, spaces: &Spaces) -> Result<Self, GpuError> {
         use Binding::{Read, Uniform, Write};
         let module = library.module(gpu, shaders::COARSE)?;
-        let layout = |bindings: &[Binding]| {
-            pass::layout(gpu, "coarse", wgpu::ShaderStages::COMPUTE, bindings)
-        };
+        let layout =
+            |bindings: &[Binding]| pass::layout(gpu, "coarse", wgpu::ShaderStages::COMPUTE, bindings);
         let layouts = [
             layout(&[Read, Read]),
             layout(&[Uniform, Read, Write, Read, Write]),
@@ -61,7 +60,7 @@ impl Coarse {
             padding: 0,
         };
         Ok(Self {
-            restrict: pipeline("restrict", 0, 1),
+            restrict: pipeline("restrict_change", 0, 1),
             solve: pipeline("solve", 0, 1),
             correct: pipeline("correct", 2, 3),
             before: pass::buffers(gpu, "coarse", &layouts[0], &[&spaces.radiosity, &spaces.next]),
@@ -92,9 +91,8 @@ impl Coarse {
         let aggregates = if coarse.m <= MOST { coarse.m } else { 0 };
         let restricted = &coarse.restricted[..aggregates * self.uniform.patches as usize];
         let [red, green, blue] = &coarse.inverse;
-        let inverse: Vec<Vec4> = (0..aggregates * aggregates)
-            .map(|i| Vec4::new(red[i], green[i], blue[i], 0.0))
-            .collect();
+        let inverse: Vec<Vec4> =
+            (0..aggregates * aggregates).map(|i| Vec4::new(red[i], green[i], blue[i], 0.0)).collect();
         self.uniform.aggregates = aggregates as u32;
         self.own = own(gpu, &self.layouts, self.uniform, restricted, &inverse);
         self.bytes = (restricted.len() + inverse.len()) as u64 * 16;
@@ -135,12 +133,7 @@ fn own(
     let parts = buffer::empty(gpu, "coarse parts", parts, Usage::STORAGE);
     let correction = buffer::empty(gpu, "correction", MOST as u64 * 16, Usage::STORAGE);
     [
-        pass::buffers(
-            gpu,
-            "coarse",
-            &layouts[1],
-            &[&uniform, &restricted, &parts, &inverse, &correction],
-        ),
+        pass::buffers(gpu, "coarse", &layouts[1], &[&uniform, &restricted, &parts, &inverse, &correction]),
         pass::buffers(gpu, "coarse", &layouts[3], &[&uniform, &correction]),
     ]
 }

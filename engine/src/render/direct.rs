@@ -23,12 +23,8 @@ impl Direct {
     ) -> Result<Self, GpuError> {
         use Binding::{Read, Write};
         let module = library.module(gpu, shaders::DIRECT)?;
-        let layout = pass::layout(
-            gpu,
-            "direct",
-            wgpu::ShaderStages::COMPUTE,
-            &[Read, Read, Read, Read, Write],
-        );
+        let layout =
+            pass::layout(gpu, "direct", wgpu::ShaderStages::COMPUTE, &[Read, Read, Read, Read, Write]);
         let groups = [Some(frame_layout), Some(scene_layout), Some(&layout)];
         Ok(Self {
             pipeline: pass::compute(gpu, &module, "direct", &groups),

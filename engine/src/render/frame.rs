@@ -285,14 +285,8 @@ impl Renderer {
         let mut draws = 1;
         if now.view.shows_patches() {
             let shown = |batch: usize| scenery.instances.draws[batch].shown;
-            draws += self.patches.draw(
-                gpu,
-                &mut pass,
-                &self.frame_group,
-                &self.transport,
-                shown,
-                self.samples,
-            );
+            draws +=
+                self.patches.draw(gpu, &mut pass, &self.frame_group, &self.transport, shown, self.samples);
         } else {
             draws += self.surfaces.draw(gpu, &mut pass, &scenery, false, self.samples);
             if now.view.shows_sky() {
@@ -302,7 +296,8 @@ impl Renderer {
         }
         drop(pass);
         let timer = &mut self.timer;
-        self.tonemap.draw(gpu, encoder, timer, &self.frame_group, radiance, self.samples, display);
+        let samples = targets.samples_read();
+        self.tonemap.draw(gpu, encoder, timer, &self.frame_group, radiance, samples, display);
         draws
     }
 

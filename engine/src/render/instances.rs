@@ -118,7 +118,8 @@ impl Instances {
     fn place_batches(&mut self, now: &Now<'_>, transport: &Transport, materials: &Materials) {
         for (batch, &(centre, radius)) in transport.surface.batches.iter().zip(&self.batches) {
             let entity = self.index_of.get(&batch.entity()).copied();
-            let placed = entity.filter(|&entity| now.scene.entities[entity].is_static && !self.hidden[entity]);
+            let placed =
+                entity.filter(|&entity| now.scene.entities[entity].is_static && !self.hidden[entity]);
             let renderer = placed.and_then(|entity| now.scene.entities[entity].mesh.as_ref());
             let shown = renderer.is_some();
             let material = materials.index(MaterialId(batch.material));
@@ -148,8 +149,7 @@ impl Instances {
         index: usize,
     ) {
         let entity = &now.scene.entities[index];
-        let Some(renderer) = entity.mesh.as_ref().filter(|_| !entity.is_static && !self.hidden[index])
-        else {
+        let Some(renderer) = entity.mesh.as_ref().filter(|_| !entity.is_static && !self.hidden[index]) else {
             return;
         };
         let Some(mesh_index) = meshes.find(gpu, now.assets, &renderer.mesh) else { return };
@@ -238,8 +238,7 @@ fn sphere(points: impl Iterator<Item = Vec3> + Clone) -> (Vec3, f32) {
 /// receivers.
 fn nearest_probe(transport: &Transport, at: Vec3) -> u32 {
     let valid = transport.probes.iter().enumerate().filter(|(_, probe)| probe.valid > 0.5);
-    let nearest = valid.min_by(|(_, a), (_, b)| {
-        a.position.distance_squared(at).total_cmp(&b.position.distance_squared(at))
-    });
+    let nearest = valid
+        .min_by(|(_, a), (_, b)| a.position.distance_squared(at).total_cmp(&b.position.distance_squared(at)));
     nearest.map_or(transport.probes.len(), |(index, _)| index) as u32
 }

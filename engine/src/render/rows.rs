@@ -52,12 +52,7 @@ pub fn page_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
 }
 
 impl PagedRows {
-    pub fn new(
-        gpu: &Gpu,
-        layout: &wgpu::BindGroupLayout,
-        what: &str,
-        rows: &Rows,
-    ) -> Result<Self, GpuError> {
+    pub fn new(gpu: &Gpu, layout: &wgpu::BindGroupLayout, what: &str, rows: &Rows) -> Result<Self, GpuError> {
         let mut pages = Vec::new();
         for range in buffer::pages(what, &rows.starts, gpu.page_bytes)? {
             let entries = rows.starts[range.start] as usize..rows.starts[range.end] as usize;
@@ -65,8 +60,7 @@ impl PagedRows {
                 .iter()
                 .map(|start| (start - rows.starts[range.start]) as u32)
                 .collect();
-            let page =
-                PageUniform { first: range.start as u32, count: range.len() as u32, padding: [0; 2] };
+            let page = PageUniform { first: range.start as u32, count: range.len() as u32, padding: [0; 2] };
             let buffers = [
                 buffer::filled(gpu, "page", &[page], Usage::UNIFORM),
                 buffer::filled(gpu, "starts", &starts, Usage::STORAGE),

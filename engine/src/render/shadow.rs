@@ -62,6 +62,7 @@ pub struct Shadows {
 
 struct Maps {
     texture: wgpu::Texture,
+    /// Texels across a map, once there is one.
     size: u32,
     /// By layer: what is drawn there.
     drawn: Vec<u64>,
@@ -145,7 +146,8 @@ impl Shadows {
 
     pub fn bytes(&self) -> u64 {
         let of = |maps: &Maps| {
-            u64::from(maps.size) * u64::from(maps.size) * 4 * u64::from(maps.texture.depth_or_array_layers())
+            let texels = u64::from(maps.texture.width()) * u64::from(maps.texture.height());
+            texels * 4 * u64::from(maps.texture.depth_or_array_layers())
         };
         self.maps.iter().map(of).sum()
     }
@@ -387,8 +389,8 @@ fn fit(old: (Vec3, f32), instances: &Instances) -> (Vec3, f32) {
 
 impl Maps {
     fn new(gpu: &Gpu, size: u32, layers: usize) -> Self {
-        let size = if layers == 0 { 1 } else { size };
-        let texture = texture::depth_layers(gpu, "shadow maps", size, layers as u32);
+        let texels = if layers == 0 { 1 } else { size };
+        let texture = texture::depth_layers(gpu, "shadow maps", texels, layers as u32);
         Self { texture, size, drawn: vec![0; layers] }
     }
 }

@@ -54,8 +54,7 @@ impl SkyPass {
             wgpu::ShaderStages::FRAGMENT,
             &[Binding::Uniform, Binding::Picture, Binding::Sampler],
         );
-        let uniform =
-            buffer::filled(gpu, "sky", &[SkyUniform::default()], wgpu::BufferUsages::UNIFORM);
+        let uniform = buffer::filled(gpu, "sky", &[SkyUniform::default()], wgpu::BufferUsages::UNIFORM);
         let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
             address_mode_u: wgpu::AddressMode::Repeat,
             mag_filter: wgpu::FilterMode::Linear,

@@ -106,9 +106,10 @@ impl Sources {
 
     /// Cavity gain: solved for where that is done (`wait`: in any case), else what stands in for it.
     pub fn cavity_gain(&mut self, wait: bool) -> f32 {
-        let come = self.coming.as_ref().and_then(|coming| {
-            if wait { coming.recv().ok() } else { coming.try_recv().ok() }
-        });
+        let come = self
+            .coming
+            .as_ref()
+            .and_then(|coming| if wait { coming.recv().ok() } else { coming.try_recv().ok() });
         if let Some(gain) = come {
             // Solved to seven digits; a little is added to be on the safe side.
             self.gain = self.gain.min(gain * 1.001);
@@ -124,9 +125,10 @@ impl Sources {
 
 /// max w <= 1 / (1 - max of rho_i times the sum of row i), as (I - RP) w = 1.
 fn stand_in(transport: &Transport, albedo: &[Vec3]) -> f32 {
-    let kept = albedo.iter().enumerate().map(|(i, albedo)| {
-        f64::from(albedo.max_element()) * transport.patch_from_patch.sum(i)
-    });
+    let kept = albedo
+        .iter()
+        .enumerate()
+        .map(|(i, albedo)| f64::from(albedo.max_element()) * transport.patch_from_patch.sum(i));
     let most = kept.fold(0.0, f64::max);
     (1.0 / (1.0 - most).max(1e-7)) as f32
 }

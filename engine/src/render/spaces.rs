@@ -55,7 +55,8 @@ impl Spaces {
         Ok(Self {
             patch_count: patches as u32,
             receiver_count: receivers as u32,
-            valid_receivers: transport.receivers.iter().filter(|receiver| receiver.valid > 0.5).count() as u32,
+            valid_receivers: transport.receivers.iter().filter(|receiver| receiver.valid > 0.5).count()
+                as u32,
             probe_count: probes as u32,
             patches: buffer::filled(gpu, "patches", &transport.patches, Usage::STORAGE),
             samples: buffer::filled(gpu, "samples", samples, Usage::STORAGE),

@@ -161,12 +161,8 @@ impl Surfaces {
         pass.set_bind_group(2, &self.light, &[]);
         for &index in &self.order {
             let draw = &scenery.instances.draws[index];
-            let variant = Variant {
-                moving: draw.mesh.is_some(),
-                blend: blended,
-                cull: culled(draw),
-                samples,
-            };
+            let variant =
+                Variant { moving: draw.mesh.is_some(), blend: blended, cull: culled(draw), samples };
             let pipeline = self
                 .pipelines
                 .entry(variant)

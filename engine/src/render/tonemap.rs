@@ -40,7 +40,7 @@ impl Tonemap {
     /// What reads these targets.
     pub fn group(&self, gpu: &Gpu, targets: &Targets) -> wgpu::BindGroup {
         let resource = wgpu::BindingResource::TextureView(&targets.radiance_view);
-        pass::group(gpu, "tonemap", &self.layouts[usize::from(targets.samples > 1)], &[resource])
+        pass::group(gpu, "tonemap", &self.layouts[usize::from(targets.samples_read() > 1)], &[resource])
     }
 
     pub fn draw(
@@ -57,13 +57,7 @@ impl Tonemap {
         let format = display.format();
         let pipeline = self.pipelines.entry((format, many)).or_insert_with(|| {
             let entry = if many { "tonemap_samples" } else { "tonemap" };
-            pass::over_picture(
-                gpu,
-                &self.module,
-                entry,
-                &self.pipeline_layouts[usize::from(many)],
-                format,
-            )
+            pass::over_picture(gpu, &self.module, entry, &self.pipeline_layouts[usize::from(many)], format)
         });
         let view = display.create_view(&Default::default());
         let mut pass = pass::draw_into(encoder, "tonemap", &view, timer.render("tonemap"));
