@@ -19,3 +19,6 @@ pub fn shared() -> Option<PathBuf> {
     println!("not run: no ../shared");
     None
 }
+
+pub mod picture;
+pub mod room;
