@@ -2,8 +2,8 @@
 
 pub mod source;
 
-pub mod project;
 pub mod made;
+pub mod project;
 
 use std::path::{Path, PathBuf};
 
