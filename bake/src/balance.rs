@@ -22,8 +22,6 @@ pub struct Balance {
     pub sweeps: usize,
     /// max |row sum - 1| of the f64 matrix after.
     pub defect: f64,
-    /// Area mean of the lost share.
-    pub lost: f64,
 }
 
 /// By row: columns ascending and values, f64; symmetric.
@@ -33,7 +31,7 @@ struct Symmetric {
     values: Vec<f64>,
     /// How freely least squares may change an entry, times the entry.
     free: Vec<f32>,
-    /// By row: to each sky patch, and what is lost, in area.
+    /// By row: to each sky patch, and what is lost or leaves, in area.
     sky: Vec<Vec<(u32, f64)>>,
     lost: Vec<f64>,
 }
@@ -42,22 +40,22 @@ struct Symmetric {
 const SAMPLED_FREEDOM: f32 = 1e-2;
 
 /// `towards`: by patch, its shares towards emitters (empty for emitters themselves). Returns the stored rows,
-/// columns patches then sky, each with its target 1 - lost.
+/// columns patches then sky, and by patch its target 1 - lost.
 pub fn balanced_rows(
     hits: &Hits,
     rays: u32,
     areas: &[f64],
     emitters: &Emitters,
     towards: &[Vec<(u32, f64)>],
-) -> (Rows, Vec<f64>, Balance) {
+) -> (Rows, Vec<f32>, Balance) {
     let mut pooled = pool(hits, rays, areas, emitters, towards);
     let mut balance = Balance { defect_raw: defect(&pooled, areas), ..Balance::default() };
     blacken(&mut pooled, areas);
     least_squares(&mut pooled, areas);
     balance.sweeps = scale(&mut pooled, areas);
     balance.defect = defect(&pooled, areas);
-    balance.lost = pooled.lost.iter().sum::<f64>() / areas.iter().sum::<f64>().max(1e-300);
-    let targets: Vec<f64> = (0..areas.len()).map(|i| 1.0 - (pooled.lost[i] / areas[i]).clamp(0.0, 1.0)).collect();
+    let kept = |i: usize| 1.0 - (pooled.lost[i] / areas[i]).clamp(0.0, 1.0);
+    let targets: Vec<f32> = (0..areas.len()).map(|i| kept(i) as f32).collect();
     (store(&pooled, areas, &targets), targets, balance)
 }
 
@@ -76,7 +74,13 @@ impl Symmetric {
     }
 }
 
-fn pool(hits: &Hits, rays: u32, areas: &[f64], emitters: &Emitters, towards: &[Vec<(u32, f64)>]) -> Symmetric {
+fn pool(
+    hits: &Hits,
+    rays: u32,
+    areas: &[f64],
+    emitters: &Emitters,
+    towards: &[Vec<(u32, f64)>],
+) -> Symmetric {
     let n = areas.len();
     let by_chance = |i: usize, j: u32| emitters.is_emitter[i] == emitters.is_emitter[j as usize];
     let backwards = Transposed::new(n, |i| {
@@ -94,7 +98,9 @@ fn pool(hits: &Hits, rays: u32, areas: &[f64], emitters: &Emitters, towards: &[V
                 row.push((j, hits / (rays / areas[i] + rays / areas[j as usize]), 1.0));
             });
             row.extend(towards[i].iter().map(|&(j, share)| (j, areas[i] * share, SAMPLED_FREEDOM)));
-            row.extend(towards_backwards.row(i).map(|(j, share)| (j, areas[j as usize] * share, SAMPLED_FREEDOM)));
+            row.extend(
+                towards_backwards.row(i).map(|(j, share)| (j, areas[j as usize] * share, SAMPLED_FREEDOM)),
+            );
             row.sort_unstable_by_key(|entry| entry.0);
             row
         })
@@ -105,7 +111,7 @@ fn pool(hits: &Hits, rays: u32, areas: &[f64], emitters: &Emitters, towards: &[V
         values: Vec::new(),
         free: Vec::new(),
         sky: Vec::new(),
-        lost: hits.lost.iter().zip(areas).map(|(&lost, area)| area * f64::from(lost) / rays).collect(),
+        lost: (0..n).map(|i| areas[i] * f64::from(hits.lost[i] + hits.escaped[i]) / rays).collect(),
     };
     for (i, row) in rows.into_iter().enumerate() {
         for (j, value, free) in row {
@@ -264,7 +270,8 @@ fn scale(x: &mut Symmetric, areas: &[f64]) -> usize {
         if worst < 1e-10 {
             return sweep;
         }
-        let d: Vec<f64> = (0..n).map(|i| if sums[i] > 0.0 { (areas[i] / sums[i]).sqrt() } else { 1.0 }).collect();
+        let d: Vec<f64> =
+            (0..n).map(|i| if sums[i] > 0.0 { (areas[i] / sums[i]).sqrt() } else { 1.0 }).collect();
         let (starts, columns) = (&x.starts, &x.columns);
         let mut rest = x.values.as_mut_slice();
         let mut rows = Vec::with_capacity(n);
@@ -286,7 +293,7 @@ fn scale(x: &mut Symmetric, areas: &[f64]) -> usize {
 }
 
 /// f32 shares whose f64 sum is at most the target, by lowering the largest one.
-fn store(x: &Symmetric, areas: &[f64], targets: &[f64]) -> Rows {
+fn store(x: &Symmetric, areas: &[f64], targets: &[f32]) -> Rows {
     let finished: Vec<Vec<(u32, f32)>> = (0..areas.len())
         .into_par_iter()
         .map(|i| {
@@ -296,7 +303,7 @@ fn store(x: &Symmetric, areas: &[f64], targets: &[f64]) -> Rows {
                 .map(|(j, value)| (j, (value / areas[i]) as f32))
                 .filter(|entry| entry.1 > 0.0)
                 .collect();
-            cap(&mut row, targets[i]);
+            cap(&mut row, f64::from(targets[i]));
             row
         })
         .collect();

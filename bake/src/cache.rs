@@ -49,7 +49,7 @@ impl Cache {
     pub fn keep(&self, chunk: usize, rows: &[Row]) {
         let mut record: Vec<u32> = vec![0, chunk as u32, rows.len() as u32];
         for row in rows {
-            record.extend([row.lost, row.hits.len() as u32]);
+            record.extend([row.lost, row.escaped, row.hits.len() as u32]);
             record.extend(row.hits.iter().flat_map(|&(column, count)| [column, count]));
         }
         record[0] = record.len() as u32;
@@ -96,9 +96,9 @@ fn read(record: &[u32]) -> Option<(usize, Vec<Row>)> {
     let chunk = words.next()? as usize;
     let rows = (0..words.next()?)
         .map(|_| {
-            let (lost, n) = (words.next()?, words.next()?);
+            let (lost, escaped, n) = (words.next()?, words.next()?, words.next()?);
             let hits = (0..n).map(|_| Some((words.next()?, words.next()?))).collect::<Option<_>>()?;
-            Some(Row { hits, lost })
+            Some(Row { hits, lost, escaped })
         })
         .collect::<Option<_>>()?;
     Some((chunk, rows))
@@ -111,7 +111,7 @@ mod tests {
     #[test]
     fn a_file_that_was_cut_off_keeps_its_whole_chunks() {
         let folder = tempfile::tempdir().unwrap();
-        let rows = |n: u32| vec![Row { hits: vec![(n, 2), (n + 5, 7)], lost: n }, Row::default()];
+        let rows = |n: u32| vec![Row { hits: vec![(n, 2), (n + 5, 7)], lost: n, escaped: 1 }, Row::default()];
         let cache = Cache::open(folder.path(), "patch", "k");
         cache.keep(3, &rows(3));
         cache.keep(9, &rows(9));

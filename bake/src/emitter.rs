@@ -42,6 +42,11 @@ impl Emitters {
         Self { patches, is_emitter, sobol: Sobol::new(4 * rays), rays }
     }
 
+    /// The same with this many shadow rays towards each patch, a power of two of at least 4.
+    pub fn with_rays(self, rays: u32) -> Self {
+        Self { sobol: Sobol::new(4 * rays), rays, ..self }
+    }
+
     /// Shares of what arrives at a point from each emitter, zeros left out.
     pub fn row(&self, tracer: &Tracer, position: Vec3, normal: Vec3, key: u64) -> Vec<(u32, f64)> {
         let mut row = Vec::new();
@@ -64,7 +69,8 @@ impl Emitters {
             let [u, v, ..] = self.sobol.point(k, key ^ 0xe1);
             let (position, normal, _) = places.at(u, v);
             for (sum, &emitter) in sums.iter_mut().zip(&self.patches) {
-                *sum += f64::from(self.share(tracer, position, normal, emitter, hash(key ^ u64::from(k)), rays));
+                *sum +=
+                    f64::from(self.share(tracer, position, normal, emitter, hash(key ^ u64::from(k)), rays));
             }
         }
         let shares = self.patches.iter().zip(sums).map(|(&patch, sum)| (patch, sum / f64::from(points)));
@@ -95,7 +101,11 @@ impl Emitters {
             if carried > 0.0 && carried.is_finite() {
                 let chance = unit(hash(seed ^ u64::from(k)) as u32);
                 all += carried;
-                seen += if tracer.bvh.visible(position, normal, at, chance, tracer.holes) { carried } else { 0.0 };
+                seen += if tracer.bvh.visible(position, normal, at, chance, tracer.holes) {
+                    carried
+                } else {
+                    0.0
+                };
             }
             k += 1;
             if k == rays && seen > 0.0 && seen < all {

@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 
 use engine::scene::assets::Assets;
-use engine::scene::{Scene, SceneError, SkyKind, Warning, world_from_local};
+use engine::scene::{Scene, SkyKind, Warning, world_from_local};
 use engine::transport::{NONE, Patch, Probe, Receiver, Sample, Surface, Transport, Vertex, sky};
 use glam::{DVec3, Vec2, Vec3};
 
@@ -55,33 +55,35 @@ pub fn area(surface: &surface::Surface) -> f64 {
 }
 
 /// `length`: of patches where the density is 1, metres.
-pub fn layout(scene: &Scene, assets: &Assets, length: f64) -> Result<Layout, SceneError> {
-    let surface = surface::sanitise(scene, assets)?;
-    Ok(lay_out(scene, surface, length))
+pub fn layout(scene: &Scene, assets: &Assets, surface: &surface::Surface, length: f64) -> Layout {
+    let mut layout = divide(scene, surface, length);
+    crate::holes::shrink_patches(&mut layout.transport, &mut layout.rays, scene, assets);
+    layout
 }
 
-pub fn lay_out(scene: &Scene, surface: surface::Surface, length: f64) -> Layout {
+fn divide(scene: &Scene, surface: &surface::Surface, length: f64) -> Layout {
     let length = length / surface.unit;
     let spacing = length * 0.5;
-    let mut charts = chart::charts(&surface);
+    let mut charts = chart::charts(surface);
     grade(&mut charts, length);
     let size = |id: u32| {
         let vertex = charts.charts[id as usize].outline.first().map_or(0, |edge| edge[0]);
         spacing / f64::from(charts.densities[vertex as usize]).max(1e-3)
     };
-    let cuts = cut::cuts(&surface, &charts, size);
-    let fine = split::split(&surface, &charts, &cuts, spacing);
+    let cuts = cut::cuts(surface, &charts, size);
+    let fine = split::split(surface, &charts, &cuts, spacing);
     let links = patch::links(&fine, &surface.batches);
     let groups = patch::group(&fine, &links, length);
     let receivers = receiver::receivers(&fine, &links, &surface.batches, spacing);
-    assemble(scene, &surface, &fine, &groups, receivers)
+    assemble(scene, surface, &fine, &groups, receivers)
 }
 
 /// Sizes of neighbouring vertices differ by at most 0.4 of their distance: no patch stands beside one many
 /// times its size (Dijkstra over the sides of triangles).
 fn grade(charts: &mut chart::Charts, length: f64) {
     const SLOPE: f64 = 0.4;
-    let mut sizes: Vec<f64> = charts.densities.iter().map(|&density| length / f64::from(density).max(1e-3)).collect();
+    let mut sizes: Vec<f64> =
+        charts.densities.iter().map(|&density| length / f64::from(density).max(1e-3)).collect();
     if sizes.iter().all(|&size| size == sizes[0]) {
         return;
     }
@@ -137,7 +139,8 @@ fn assemble(
                 vertices.find(node, corner, unit, &receivers, &mut transport.surface)
             });
             transport.surface.triangles.push(corners);
-            rays.triangles.push(triangle.corners.map(|corner| fine.corners[corner as usize].position.as_vec3()));
+            rays.triangles
+                .push(triangle.corners.map(|corner| fine.corners[corner as usize].position.as_vec3()));
         }
         let range = first..rays.triangles.len();
         let entry = &mut transport.surface.batches[batch as usize];
@@ -164,7 +167,13 @@ fn assemble(
     add_probes(scene, source, &mut transport, &mut rays);
     transport.sky_patches = if scene.sky.kind == SkyKind::None { 0 } else { sky::COUNT };
     rays.sky_patches = transport.sky_patches;
-    Layout { transport, rays, unit: source.unit, dropped_triangles: source.dropped, warnings: source.warnings.clone() }
+    Layout {
+        transport,
+        rays,
+        unit: source.unit,
+        dropped_triangles: source.dropped,
+        warnings: source.warnings.clone(),
+    }
 }
 
 /// Render vertices: one for each node and set of attributes.
@@ -293,7 +302,12 @@ fn add_samples(transport: &mut Transport, rays: &RayScene, unit: f64) {
         for k in 0..SAMPLES {
             let [u, v, ..] = sobol.point(k, rays.patch_keys[i] ^ 0x5a);
             let (position, normal, _) = places.at(u, v);
-            transport.samples.push(Sample { position: position * unit as f32, patch: i as u32, normal, padding: 0 });
+            transport.samples.push(Sample {
+                position: position * unit as f32,
+                patch: i as u32,
+                normal,
+                padding: 0,
+            });
         }
     }
 }

@@ -1,20 +1,40 @@
 //! The bake: from a scene to its light transport. A library that needs no GPU; `hohlraum-bake` is its
 //! command line.
 
+mod aggregate;
+mod balance;
 mod bvh;
+mod cache;
+mod certify;
 mod chart;
 mod cut;
 mod directions;
+mod emitter;
+mod holes;
+mod layout;
+mod patch;
+mod pipeline;
+mod probe;
+mod query;
+mod rays;
+mod receiver;
+mod settings;
 mod split;
 mod surface;
 
 use std::path::Path;
 
-use engine::scene::file::Quality;
-use engine::scene::{SceneError, Warning};
+use engine::scene::assets::Assets;
+use engine::scene::file::{Project, Quality, baked_dir, load_project, load_scene};
+use engine::scene::import::load_assets;
+use engine::scene::{Scene, SceneError, SkyKind, Warning};
 use engine::transport::file::TransportError;
-use engine::transport::{Certificate, Transport};
+use engine::transport::key::{BakeWith, transport_key};
+use engine::transport::{Certificate, Transport, file, materials};
 use glam::{DVec3, Vec3};
+
+use crate::pipeline::Caches;
+use crate::surface::Surface;
 
 /// What the command line says; where it says nothing, the project's settings hold.
 #[derive(Clone, Debug, Default)]
@@ -123,42 +143,231 @@ pub enum Method {
 
 /// Bakes a scene of a project (`None`: its default scene) and writes `baked/NAME/`.
 pub fn bake(
-    _project: &Path,
-    _scene: Option<&str>,
-    _settings: &Settings,
-    _watcher: &dyn Watcher,
+    project: &Path,
+    scene: Option<&str>,
+    settings: &Settings,
+    watcher: &dyn Watcher,
 ) -> Result<Baked, BakeError> {
-    todo!()
+    match settings.threads {
+        None => run(project, scene, settings, watcher),
+        Some(threads) => {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            let pool = pool.map_err(|error| BakeError::Other(format!("{threads} threads: {error}")))?;
+            pool.install(|| run(project, scene, settings, watcher))
+        }
+    }
+}
+
+fn run(
+    project: &Path,
+    scene: Option<&str>,
+    settings: &Settings,
+    watcher: &dyn Watcher,
+) -> Result<Baked, BakeError> {
+    let started = std::time::Instant::now();
+    watcher.stage("reading", 1);
+    let mut opened = Opened::open(project, scene)?;
+    let (with, is_new_length) =
+        settings::settle(&opened.settings, &opened.name, settings, layout::area(&opened.surface))?;
+    let key = transport_key(project, &opened.scene, &with);
+    let file = file::path(project, &opened.name);
+    watcher.advance(1, 0);
+
+    let current = (!settings.force).then(|| file::load(&file).ok()).flatten();
+    let current = current.filter(|transport| transport.certificate.key == key);
+    let unchanged = current.is_some();
+    let mut transport = match current {
+        Some(transport) => transport,
+        None => {
+            let caches = if settings.force {
+                Caches::none()
+            } else {
+                Caches::open(&baked_dir(project, &opened.name).join("cache"), &key)
+            };
+            let (transport, warnings) =
+                pipeline::make(&opened.scene, &opened.assets, &opened.surface, &with, &caches, watcher)?;
+            opened.warnings.extend(warnings);
+            caches.delete();
+            transport
+        }
+    };
+
+    watcher.stage("certificate", 1);
+    let before = transport.certificate.clone();
+    let mut certificate = before.clone();
+    let mut materials = materials::of_patches(&transport, &opened.scene, &opened.assets);
+    let unlimited = opened.settings.bake.unlimited_gain;
+    let limited =
+        certify::certify_materials(&mut certificate, &transport, &opened.scene, &mut materials, unlimited);
+    opened.warnings.extend(limited);
+    opened.warnings.extend(materials::warnings(&opened.scene));
+    opened.warnings.sort();
+    opened.warnings.dedup();
+    certificate.key = key;
+    certificate.warnings = opened.warnings.iter().map(Warning::to_string).collect();
+    certificate.left_out = left_out(&opened.scene);
+    if !unchanged {
+        certificate.threads = rayon::current_num_threads();
+        certificate.seconds = started.elapsed().as_secs_f64();
+    }
+    if certificate != before {
+        // A new colour changes the gain, but no row: the file is written again all the same, in one piece.
+        transport.certificate = certificate;
+        transport.certificate.bytes = file::length(&transport);
+        file::save(&file, &transport)?;
+    }
+    if unchanged {
+        transport.certificate.rays_traced = 0;
+        transport.certificate.seconds = started.elapsed().as_secs_f64();
+    } else if is_new_length {
+        let base_length = settings::base_length_key(&opened.name, with.quality);
+        opened.settings.bake.base_length.insert(base_length, with.length);
+        engine::scene::file::save_project(project, &opened.settings)?;
+    }
+    watcher.advance(1, 0);
+    Ok(Baked { transport, file, warnings: opened.warnings, unchanged })
+}
+
+/// A scene with all that it refers to, and its static surface.
+struct Opened {
+    settings: Project,
+    name: String,
+    scene: Scene,
+    assets: Assets,
+    surface: Surface,
+    warnings: Vec<Warning>,
+}
+
+impl Opened {
+    fn open(project: &Path, scene: Option<&str>) -> Result<Self, BakeError> {
+        let settings = load_project(project)?;
+        let name = scene.unwrap_or(&settings.default_scene).to_owned();
+        let scene = load_scene(project, &name)?;
+        let (assets, mut warnings) = load_assets(project, &scene)?;
+        let surface = surface::sanitise(&scene, &assets)?;
+        warnings.extend(surface.warnings.iter().cloned());
+        Ok(Self { settings, name, scene, assets, surface, warnings })
+    }
+}
+
+fn left_out(scene: &Scene) -> Vec<String> {
+    let mut left_out = Vec::new();
+    if scene.sky.kind == SkyKind::None {
+        left_out.push("sky patches: the scene has no sky".to_owned());
+    }
+    if scene.entities.iter().all(|entity| entity.light_probes.is_none()) {
+        left_out.push("light-probe rows: the scene has no light probes".to_owned());
+    }
+    left_out
 }
 
 /// What [`bake`] would do.
-pub fn plan(_project: &Path, _scene: Option<&str>, _settings: &Settings) -> Result<Plan, BakeError> {
-    todo!()
+pub fn plan(project: &Path, scene: Option<&str>, settings: &Settings) -> Result<Plan, BakeError> {
+    let opened = Opened::open(project, scene)?;
+    let (with, _) =
+        settings::settle(&opened.settings, &opened.name, settings, layout::area(&opened.surface))?;
+    let key = transport_key(project, &opened.scene, &with);
+    let baked = file::load_certificate(&file::path(project, &opened.name));
+    let is_current = baked.is_ok_and(|certificate| certificate.key == key);
+    let layout = layout::layout(&opened.scene, &opened.assets, &opened.surface, with.length);
+    let transport = &layout.transport;
+    let rows = transport.patches.len() + transport.receivers.len();
+    let rays =
+        rows as u64 * u64::from(with.rays) + transport.probes.len() as u64 * u64::from(pipeline::PROBE_RAYS);
+    let kept = if is_current { rays } else { 0 };
+    let (per_ray, per_row) = pipeline::measure(&layout, &opened.scene, &opened.assets, with.rays);
+    let entries = rows as f64 * per_row + transport.probes.len() as f64 * 9.0 * per_row;
+    Ok(Plan {
+        scene: opened.name,
+        quality: with.quality.to_string(),
+        patch_length: with.length,
+        patches: transport.patches.len(),
+        receivers: transport.receivers.len(),
+        probes: transport.probes.len(),
+        sky_patches: transport.sky_patches as usize,
+        triangles: transport.surface.triangles.len(),
+        rays,
+        rays_kept: kept,
+        seconds: (rays - kept) as f64 * per_ray / rayon::current_num_threads() as f64,
+        bytes: file::length(transport) + (entries * 8.0) as u64,
+        left_out: left_out(&opened.scene),
+        warnings: opened.warnings.iter().chain(&layout.warnings).map(Warning::to_string).collect(),
+    })
+}
+
+/// A scene with the bake on disk, which is current.
+struct Solvable {
+    opened: Opened,
+    transport: Transport,
+    with: BakeWith,
+}
+
+impl Solvable {
+    fn open(project: &Path, scene: Option<&str>, settings: &Settings) -> Result<Self, BakeError> {
+        let opened = Opened::open(project, scene)?;
+        let file = file::path(project, &opened.name);
+        let project_name = project.display().to_string();
+        let quality = settings.quality.map(|quality| quality.to_string());
+        if !file.is_file() {
+            let quality = quality.unwrap_or_else(|| opened.settings.bake.quality.to_string());
+            return Err(BakeError::Missing { project: project_name, scene: opened.name, quality });
+        }
+        let transport = file::load(&file)?;
+        let certificate = &transport.certificate;
+        let stale = |why: &str| {
+            Err(BakeError::Stale { project: project_name, scene: opened.name.clone(), why: why.to_owned() })
+        };
+        if quality.is_some_and(|quality| quality != certificate.quality) {
+            return stale(&format!("it was made at quality {}", certificate.quality));
+        }
+        let with = BakeWith {
+            quality: settings.quality.unwrap_or_default(),
+            rays: certificate.rays_per_row,
+            length: certificate.base_length,
+        };
+        if transport_key(project, &opened.scene, &with) != certificate.key {
+            return stale("static geometry, density, holes or probes have changed since");
+        }
+        Ok(Self { opened, transport, with })
+    }
 }
 
 /// The certificate of the bake on disk, every statement computed again from the stored arrays.
-pub fn check(_project: &Path, _scene: Option<&str>, _settings: &Settings) -> Result<Certificate, BakeError> {
-    todo!()
+pub fn check(project: &Path, scene: Option<&str>, settings: &Settings) -> Result<Certificate, BakeError> {
+    let Solvable { opened, transport, .. } = Solvable::open(project, scene, settings)?;
+    let mut certificate = transport.certificate.clone();
+    let mut materials = materials::of_patches(&transport, &opened.scene, &opened.assets);
+    let unlimited = opened.settings.bake.unlimited_gain;
+    certify::certify_rows(&mut certificate, &transport);
+    certify::certify_materials(&mut certificate, &transport, &opened.scene, &mut materials, unlimited);
+    let hash = transport.hash().to_hex().to_string();
+    if hash != certificate.transport_hash {
+        return Err(BakeError::Other(format!(
+            "the arrays hash to {hash}, the certificate says {}",
+            certificate.transport_hash
+        )));
+    }
+    Ok(certificate)
 }
 
 /// Irradiance at points, in their order. A point too far from any front face is an error that names its
 /// place in the list (from 1).
 pub fn query_points(
-    _project: &Path,
-    _scene: Option<&str>,
-    _settings: &Settings,
-    _points: &[Point],
-    _method: Method,
+    project: &Path,
+    scene: Option<&str>,
+    settings: &Settings,
+    points: &[Point],
+    method: Method,
 ) -> Result<Vec<Irradiance>, BakeError> {
-    todo!()
+    query::Query::new(Solvable::open(project, scene, settings)?).points(points, method)
 }
 
 /// SH coefficients of incoming radiance at points, in their order, fresh rows from the solved radiosity.
 pub fn query_probes(
-    _project: &Path,
-    _scene: Option<&str>,
-    _settings: &Settings,
-    _points: &[DVec3],
+    project: &Path,
+    scene: Option<&str>,
+    settings: &Settings,
+    points: &[DVec3],
 ) -> Result<Vec<[Vec3; 9]>, BakeError> {
-    todo!()
+    query::Query::new(Solvable::open(project, scene, settings)?).probes(points)
 }

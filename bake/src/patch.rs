@@ -107,7 +107,12 @@ impl Facts {
         let cross = (b - a).cross(c - a);
         let density = f64::from(corners.iter().map(|corner| corner.density).sum::<f32>() / 3.0);
         let size = length / density.max(1e-3);
-        Self { centre: (a + b + c) / 3.0, normal: cross.normalize_or_zero(), area: cross.length() * 0.5, size }
+        Self {
+            centre: (a + b + c) / 3.0,
+            normal: cross.normalize_or_zero(),
+            area: cross.length() * 0.5,
+            size,
+        }
     }
 }
 
@@ -123,7 +128,8 @@ fn pieces(fine: &Fine, links: &Links, facts: &[Facts]) -> Vec<Vec<u32>> {
     let joined = |a: u32, b: u32| {
         let turn = facts[a as usize].normal.dot(facts[b as usize].normal);
         fine.triangles[a as usize].batch == fine.triangles[b as usize].batch
-            && (turn > 0.8 || (turn > 0.3 && tiny(a) && tiny(b) && fine.triangles[a as usize].cut == [false; 3]))
+            && (turn > 0.8
+                || (turn > 0.3 && tiny(a) && tiny(b) && fine.triangles[a as usize].cut == [false; 3]))
     };
     let mut seen = vec![false; facts.len()];
     let mut pieces = Vec::new();
@@ -240,7 +246,8 @@ fn grow(piece: &[u32], links: &Links, facts: &[Facts], seeds: &[u32]) -> Vec<Vec
 /// The triangle nearest to the middle of a group.
 fn middle(group: &[u32], facts: &[Facts]) -> u32 {
     let area: f64 = group.iter().map(|&t| facts[t as usize].area).sum();
-    let centre = group.iter().map(|&t| facts[t as usize].centre * facts[t as usize].area).sum::<DVec3>() / area;
+    let centre =
+        group.iter().map(|&t| facts[t as usize].centre * facts[t as usize].area).sum::<DVec3>() / area;
     let nearest = group.iter().min_by(|&&a, &&b| {
         let [a_far, b_far] = [a, b].map(|t| facts[t as usize].centre.distance_squared(centre));
         a_far.total_cmp(&b_far).then(a.cmp(&b))

@@ -14,7 +14,7 @@ use glam::Vec3;
 use crate::directions::{Sobol, hash, sphere_direction, unit};
 use crate::emitter::Emitters;
 use crate::layout::Places;
-use crate::rays::Tracer;
+use crate::rays::{Seen, Tracer};
 
 /// Nine weights by column, columns ascending.
 pub struct ProbeRow {
@@ -23,7 +23,14 @@ pub struct ProbeRow {
     pub lost: f64,
 }
 
-pub fn probe_row(tracer: &Tracer, emitters: &Emitters, position: Vec3, sobol: &Sobol, rays: u32, key: u64) -> ProbeRow {
+pub fn probe_row(
+    tracer: &Tracer,
+    emitters: &Emitters,
+    position: Vec3,
+    sobol: &Sobol,
+    rays: u32,
+    key: u64,
+) -> ProbeRow {
     let mut weights: std::collections::BTreeMap<u32, [f64; COEFFICIENTS]> = std::collections::BTreeMap::new();
     let mut lost = 0_u32;
     for ray in 0..rays {
@@ -31,19 +38,14 @@ pub fn probe_row(tracer: &Tracer, emitters: &Emitters, position: Vec3, sobol: &S
         let direction = sphere_direction(u, v);
         let chance = unit(hash(key ^ u64::from(ray)) as u32);
         match tracer.column(position, Vec3::ZERO, direction, chance) {
-            Some(column) if !is_emitter(emitters, column) => {
+            Seen::Column(column) if !is_emitter(emitters, column) => {
                 add(weights.entry(column).or_default(), direction, 4.0 / f64::from(rays));
             }
-            Some(_) => {}
-            None => lost += 1,
+            Seen::Back => lost += 1,
+            _ => {}
         }
     }
-    for &patch in &emitters.patches {
-        let towards = towards(tracer, position, patch, sobol, key);
-        if towards[0] > 0.0 {
-            weights.insert(patch, towards);
-        }
-    }
+    weights.extend(towards_all(tracer, emitters, position, sobol, key, 64));
     ProbeRow { entries: weights.into_iter().collect(), lost: f64::from(lost) / f64::from(rays) }
 }
 
@@ -57,19 +59,37 @@ fn add(weights: &mut [f64; COEFFICIENTS], direction: Vec3, weight: f64) {
     }
 }
 
-/// One emitter's weights.
-fn towards(tracer: &Tracer, position: Vec3, patch: u32, sobol: &Sobol, key: u64) -> [f64; COEFFICIENTS] {
-    const RAYS: u32 = 64;
+/// Weights of the emitters that are sampled towards and seen, each by this many shadow rays.
+pub fn towards_all(
+    tracer: &Tracer,
+    emitters: &Emitters,
+    position: Vec3,
+    sobol: &Sobol,
+    key: u64,
+    rays: u32,
+) -> Vec<(u32, [f64; COEFFICIENTS])> {
+    let of = |&patch: &u32| (patch, towards(tracer, position, patch, sobol, key, rays));
+    emitters.patches.iter().map(of).filter(|(_, weights)| weights[0] > 0.0).collect()
+}
+
+fn towards(
+    tracer: &Tracer,
+    position: Vec3,
+    patch: u32,
+    sobol: &Sobol,
+    key: u64,
+    rays: u32,
+) -> [f64; COEFFICIENTS] {
     let places = Places::of(tracer.scene, patch as usize);
     let area = tracer.scene.patch_areas[patch as usize] as f32;
     let seed = hash(key ^ tracer.scene.patch_keys[patch as usize]);
     let mut weights = [0.0; COEFFICIENTS];
-    for k in 0..RAYS {
+    for k in 0..rays {
         let [u, v, ..] = sobol.point(k, seed);
         let (at, facing, _) = places.at(u, v);
         let way = at - position;
         let distance = way.length();
-        let solid_angle = area * (-facing.dot(way)).max(0.0) / (distance * distance * distance * RAYS as f32);
+        let solid_angle = area * (-facing.dot(way)).max(0.0) / (distance * distance * distance * rays as f32);
         let chance = unit(hash(seed ^ u64::from(k)) as u32);
         if solid_angle > 0.0 && tracer.bvh.visible(position, Vec3::ZERO, at, chance, tracer.holes) {
             add(&mut weights, way / distance, f64::from(solid_angle.min(4.0 * PI) / PI));

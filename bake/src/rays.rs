@@ -19,8 +19,10 @@ pub struct Hits {
     pub starts: Vec<usize>,
     pub columns: Vec<u32>,
     pub counts: Vec<u32>,
-    /// By row.
+    /// By row: rays that met back faces.
     pub lost: Vec<u32>,
+    /// By row: rays that left where there is no sky.
+    pub escaped: Vec<u32>,
 }
 
 /// One row of [`Hits`].
@@ -28,6 +30,18 @@ pub struct Hits {
 pub struct Row {
     pub hits: Vec<(u32, u32)>,
     pub lost: u32,
+    pub escaped: u32,
+}
+
+/// What a ray met.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Seen {
+    /// A patch, or a sky patch.
+    Column(u32),
+    /// A back face.
+    Back,
+    /// Nothing, where there is no sky.
+    Nothing,
 }
 
 impl Hits {
@@ -47,6 +61,7 @@ impl Hits {
             hits.counts.extend(row.hits.iter().map(|hit| hit.1));
             hits.starts.push(hits.columns.len());
             hits.lost.push(row.lost);
+            hits.escaped.push(row.escaped);
         }
         hits
     }
@@ -54,7 +69,6 @@ impl Hits {
 
 /// Rows that are traced, kept and cancelled together.
 const CHUNK: usize = 32;
-
 
 /// What every trace needs.
 pub struct Tracer<'a> {
@@ -83,13 +97,28 @@ impl Tracer<'_> {
     pub fn receiver_rows(&self, rays: u32, cache: &Cache) -> Result<Hits, BakeError> {
         self.watcher.stage("receiver rows", self.scene.receivers.len() as u64);
         self.rows(self.scene.receivers.len(), rays, cache, |i, sobol, counter| {
-            let place = &self.scene.receivers[i];
-            for ray in 0..rays {
-                let [a, b, ..] = sobol.point(ray, place.key);
-                let chance = hash(place.key ^ u64::from(ray));
-                self.count(place.position.as_vec3(), place.normal, cosine_direction(a, b), chance, counter);
-            }
+            self.receiver(i, rays, sobol, counter)
         })
+    }
+
+    fn receiver(&self, i: usize, rays: u32, sobol: &Sobol, counter: &mut Counter) {
+        let place = &self.scene.receivers[i];
+        for ray in 0..rays {
+            let [a, b, ..] = sobol.point(ray, place.key);
+            let chance = hash(place.key ^ u64::from(ray));
+            self.count(place.position.as_vec3(), place.normal, cosine_direction(a, b), chance, counter);
+        }
+    }
+
+    /// How many entries some receivers' rows have in all; on this thread, to be timed.
+    pub fn sample_receivers(&self, receivers: &[usize], rays: u32) -> usize {
+        let sobol = Sobol::new(rays);
+        let mut counter = Counter::new(self.scene.columns());
+        let entries = |&i: &usize| {
+            self.receiver(i, rays, &sobol, &mut counter);
+            counter.take().hits.len()
+        };
+        receivers.iter().map(entries).sum()
     }
 
     fn rows(
@@ -135,14 +164,14 @@ impl Tracer<'_> {
         counter.add(self.column(position, normal, direction, unit(chance as u32)));
     }
 
-    /// What a ray hits: a column, or `None` where its light is lost.
-    pub fn column(&self, position: Vec3, normal: Vec3, direction: Vec3, chance: f32) -> Option<u32> {
+    /// What a ray meets.
+    pub fn column(&self, position: Vec3, normal: Vec3, direction: Vec3, chance: f32) -> Seen {
         match self.bvh.closest(position, normal, direction, chance, self.holes) {
-            Some(hit) => patch_of(&hit, &self.scene.patches),
+            Some(hit) => patch_of(&hit, &self.scene.patches).map_or(Seen::Back, Seen::Column),
             None if self.scene.sky_patches > 0 => {
-                Some(self.scene.patch_areas.len() as u32 + sky::patch_of(direction))
+                Seen::Column(self.scene.patch_areas.len() as u32 + sky::patch_of(direction))
             }
-            None => None,
+            None => Seen::Nothing,
         }
     }
 }
@@ -152,17 +181,25 @@ struct Counter {
     counts: Vec<u32>,
     touched: Vec<u32>,
     lost: u32,
+    escaped: u32,
 }
 
 impl Counter {
     fn new(columns: usize) -> Self {
-        Self { counts: vec![0; columns], touched: Vec::new(), lost: 0 }
+        Self { counts: vec![0; columns], touched: Vec::new(), lost: 0, escaped: 0 }
     }
 
-    fn add(&mut self, column: Option<u32>) {
-        let Some(column) = column else {
-            self.lost += 1;
-            return;
+    fn add(&mut self, seen: Seen) {
+        let column = match seen {
+            Seen::Column(column) => column,
+            Seen::Back => {
+                self.lost += 1;
+                return;
+            }
+            Seen::Nothing => {
+                self.escaped += 1;
+                return;
+            }
         };
         let count = &mut self.counts[column as usize];
         if *count == 0 {
@@ -173,7 +210,11 @@ impl Counter {
 
     fn take(&mut self) -> Row {
         self.touched.sort_unstable();
-        let hits = self.touched.drain(..).map(|column| (column, std::mem::take(&mut self.counts[column as usize]))).collect();
-        Row { hits, lost: std::mem::take(&mut self.lost) }
+        let hits = self
+            .touched
+            .drain(..)
+            .map(|column| (column, std::mem::take(&mut self.counts[column as usize])))
+            .collect();
+        Row { hits, lost: std::mem::take(&mut self.lost), escaped: std::mem::take(&mut self.escaped) }
     }
 }

@@ -72,7 +72,11 @@ fn nodes(fine: &Fine, links: &Links, batches: &[Batch], length: f64) -> (Vec<[u3
             if beyond[k] == u32::MAX || !links.smooth[t][k] {
                 continue;
             }
-            let Some(side) = (0..3).find(|&side| links.beyond[other][side] == t as u32 && same_side(fine, t, k, other, side)) else { continue };
+            let Some(side) = (0..3)
+                .find(|&side| links.beyond[other][side] == t as u32 && same_side(fine, t, k, other, side))
+            else {
+                continue;
+            };
             sets.join(t * 3 + k, other * 3 + (side + 1) % 3);
             sets.join(t * 3 + (k + 1) % 3, other * 3 + side);
         }

@@ -1,5 +1,8 @@
 //! The house that tests share.
 
+pub mod project;
+pub mod made;
+
 use std::path::{Path, PathBuf};
 
 /// The folder of assets that the project does not hold itself: `$HOHLRAUM_SHARED`, else `../shared` beside

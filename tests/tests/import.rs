@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use engine::scene::assets::Assets;
 use engine::scene::import::{Imported, import, load_assets};
-use engine::scene::{SceneError, Warning};
+use engine::scene::{Albedo, ImageSource, Material, Scene, SceneError, Texture, Warning};
 
 #[test]
 fn reference_scenes_are_read_whole() {
@@ -20,9 +20,13 @@ fn reference_scenes_are_read_whole() {
     }
 }
 
-/// Models that need what cannot be read, and what the message has to say.
-const REFUSED_MODELS: &[(&str, &str)] =
-    &[("BoxDraco.gltf", "KHR_draco_mesh_compression"), ("BoxMeshopt.glb", "EXT_meshopt_compression")];
+/// Models that need what cannot be read, or that came without their buffers, and what the message has to say.
+const REFUSED_MODELS: &[(&str, &str)] = &[
+    ("BoxDraco.gltf", "KHR_draco_mesh_compression"),
+    ("BoxMeshopt.glb", "EXT_meshopt_compression"),
+    ("encoded-uris.gltf", "buffer-unencoded/@file#.bin: No such file"),
+    ("pirate.glb", "EXT_meshopt_compression"),
+];
 
 #[test]
 fn models_of_others_are_read_or_refused_for_a_reason() {
@@ -39,11 +43,33 @@ fn models_of_others_are_read_or_refused_for_a_reason() {
         }
     }
     println!("models: imported {}, refused {}", files.len() - refused.len(), refused.len());
-    let expected = |message: &&String| {
-        !REFUSED_MODELS.iter().any(|(file, why)| message.contains(file) && message.contains(why))
-    };
-    let unexpected: Vec<_> = refused.iter().filter(expected).collect();
-    assert!(unexpected.is_empty(), "{unexpected:#?}");
+    assert_eq!(refused.len(), REFUSED_MODELS.len(), "{refused:#?}");
+    for (message, (file, why)) in refused.iter().zip(REFUSED_MODELS) {
+        assert!(message.contains(file) && message.contains(why), "{message}");
+    }
+}
+
+#[test]
+fn triangles_are_as_many_as_other_readers_found() {
+    let Some(shared) = tests::shared() else { return };
+    let root = shared.join("assets");
+    let manifest = std::fs::read_to_string(root.join("MANIFEST.md")).unwrap();
+    let mut compared = 0;
+    for (file, expected) in manifest.lines().filter_map(counted) {
+        let Ok((_, assets, _)) = read(&root, file) else { continue };
+        let found: usize = assets.meshes.values().map(|mesh| mesh.indices.len() / 3).sum();
+        assert_eq!(found, expected, "{file}");
+        compared += 1;
+    }
+    println!("compared the triangles of {compared} files");
+    assert!(compared > 60);
+}
+
+/// A file of the manifest's tables (file | bytes | triangles ...) and its triangles.
+fn counted(row: &str) -> Option<(&str, usize)> {
+    let mut cells = row.strip_prefix('|')?.split('|').map(str::trim);
+    let (file, _, triangles) = (cells.next()?, cells.next()?, cells.next()?);
+    Some((file, triangles.split(' ').next()?.parse().ok()?))
 }
 
 #[test]
@@ -80,6 +106,55 @@ fn malformed_files_are_survived() {
     }
     println!("malformed: imported {imported}, refused {refused}");
     assert!(broken.is_empty(), "{broken:#?}");
+}
+
+#[test]
+fn broken_and_odd_pictures_are_survived() {
+    let Some(shared) = tests::shared() else { return };
+    for set in ["image-bad", "image-formats"] {
+        let root = shared.join("assets/malformed").join(set);
+        let files = files_under(&root, &[]);
+        let (mut decoded, mut broken) = (0, Vec::new());
+        for path in &files {
+            let file = path.strip_prefix(&root).unwrap().to_str().unwrap().to_owned();
+            match catch_unwind(AssertUnwindSafe(|| load_assets(&root, &showing(&file)).unwrap())) {
+                Ok((assets, warnings)) if assets.images.is_empty() => {
+                    assert!(warnings[0].to_string().contains(&file))
+                }
+                Ok(_) => decoded += 1,
+                Err(_) => broken.push(file),
+            }
+        }
+        println!("{set}: decoded {decoded}, refused {}", files.len() - decoded);
+        assert!(broken.is_empty() && decoded > 0, "{broken:#?}");
+    }
+}
+
+/// A scene of one material with this picture.
+fn showing(file: &str) -> Scene {
+    let image = ImageSource { file: file.to_owned(), image: None };
+    let albedo = Albedo { texture: Some(Texture::new(image)), ..Albedo::default() };
+    Scene { materials: vec![Material { albedo, ..Material::default() }], ..Scene::default() }
+}
+
+#[test]
+fn what_the_validator_finds_valid_is_read() {
+    let Some(shared) = tests::shared() else { return };
+    let (mut valid, mut refused) = (0, Vec::new());
+    for path in files_under(&shared.join("assets/malformed/gltf-validator"), &["gltf", "glb"]) {
+        let Ok(report) = std::fs::read_to_string(format!("{}.report.json", path.display())) else { continue };
+        let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+        if report["issues"]["numErrors"] != 0 {
+            continue;
+        }
+        let (project, name) = split(&path);
+        valid += 1;
+        refused.extend(read(project, name).err().map(|error| error.to_string()));
+    }
+    println!("valid by the validator: {valid}, refused {}", refused.len());
+    // One asks for a reader of glTF 2.1, one for a buffer out of the web.
+    let [newer, web] = &refused[..] else { panic!("{refused:#?}") };
+    assert!(newer.contains("min_version_valid.gltf") && web.contains("http://"), "{refused:?}");
 }
 
 /// Imports a file and loads what the scene refers to.

@@ -6,8 +6,8 @@ use super::Transform;
 use super::assets::{Channel, Clip, Interpolation};
 
 impl Clip {
-    /// The node's transform after so many seconds; the clip starts over when it ends. What has no channel, and
-    /// what would not be finite, stays as authored.
+    /// The node's transform after so many seconds; the clip starts over when it ends. What has no channel,
+    /// and what would not be finite, stays as authored.
     pub fn sample(&self, seconds: f64, authored: &Transform) -> Transform {
         let length = f64::from(self.seconds);
         let at = if length > 0.0 && seconds.is_finite() { seconds.rem_euclid(length) } else { 0.0 };

@@ -13,14 +13,15 @@ use super::assets::Clip;
 pub enum Motion {
     /// Turns about an axis through its own origin, in its parent's space.
     Spin { axis: DVec3, radians_per_second: f64 },
-    /// Goes along the points (in its parent's space) and back, there and back in `seconds`, slowing at the ends.
+    /// Goes along the points (in its parent's space) and back, there and back in `seconds`, slowing at the
+    /// ends.
     PingPong { points: Vec<DVec3>, seconds: f64 },
     /// A node's animation out of an imported glTF file, repeated for ever.
     Clip { file: String, animation: u32, node: u32, speed: f64 },
 }
 
-/// Where the entity is after so many seconds. `clip` is what a [`Motion::Clip`] names, if it was loaded. Where
-/// the motion makes no sense (no axis, no points, a time that is not finite), it is as authored.
+/// Where the entity is after so many seconds. `clip` is what a [`Motion::Clip`] names, if it was loaded.
+/// Where the motion makes no sense (no axis, no points, a time that is not finite), it is as authored.
 pub fn moved(motion: &Motion, authored: &Transform, clip: Option<&Clip>, seconds: f64) -> Transform {
     let moved = match motion {
         Motion::Spin { axis, radians_per_second } => spun(authored, *axis, radians_per_second * seconds),

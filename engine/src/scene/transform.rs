@@ -55,14 +55,16 @@ pub fn world_from_local_of(scene: &Scene, parent_from_local: impl Fn(usize) -> D
         scene.entities.iter().enumerate().map(|(index, entity)| (entity.id, index)).collect();
     let mut world: Vec<Option<DAffine3>> = vec![None; scene.entities.len()];
     let mut chain = Vec::new();
+    let mut on_chain = vec![false; scene.entities.len()];
     for start in 0..scene.entities.len() {
         // Up to the first ancestor that is known, then down again.
         let mut at = Some(start);
         while let Some(index) = at {
-            if world[index].is_some() || chain.contains(&index) {
+            if world[index].is_some() || on_chain[index] {
                 break;
             }
             chain.push(index);
+            on_chain[index] = true;
             at = scene.entities[index].parent.and_then(|parent| index_of.get(&parent).copied());
         }
         while let Some(index) = chain.pop() {

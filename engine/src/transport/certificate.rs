@@ -39,6 +39,8 @@ pub struct Certificate {
     pub least_entry: f64,
     /// Area mean of the share of light that is lost on back faces.
     pub lost: f64,
+    /// Area mean of the share of light that leaves the scene: to the sky, or to nothing.
+    pub escaped: f64,
     /// Cavity gain w: max of (I - RP)^-1 1 over patches and channels, and the entity where it is.
     pub cavity_gain: f64,
     pub cavity_gain_entity: String,

@@ -81,6 +81,11 @@ fn aligned(at: u64) -> u64 {
     at.next_multiple_of(64)
 }
 
+/// Bytes of all arrays, as stored.
+pub fn length(transport: &Transport) -> u64 {
+    arrays(transport).iter().map(|(_, bytes)| aligned(bytes.len() as u64)).sum()
+}
+
 /// Atomic: a reader sees the old file or the new one. Returns the file's length.
 pub fn save(path: &Path, transport: &Transport) -> Result<u64, TransportError> {
     write(path, transport).map_err(|source| TransportError::Io { path: path.to_owned(), source })

@@ -88,7 +88,8 @@ pub struct Patch {
     pub component: u32,
     /// The aggregate (room-sized group of patches) of the coarse correction.
     pub aggregate: u32,
-    pub padding: u32,
+    /// What its row sums to: 1 less what is lost. The stored weights never exceed it.
+    pub target: f32,
 }
 
 /// A point on a patch, with the normal of its side.

@@ -6,6 +6,7 @@
 mod accessor;
 mod animation;
 mod json;
+mod lights;
 mod material;
 mod matrix;
 mod mesh;
@@ -19,6 +20,7 @@ pub use nodes::scene;
 
 use super::path::{Reference, resolve, shortened};
 use json::{Head, Root, get};
+use serde_json::Value;
 
 /// A file with the bytes of its buffers.
 pub struct Gltf {
@@ -32,11 +34,15 @@ pub struct Gltf {
 const SUPPORTED: &[&str] = &[
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
+    SPECULAR,
     "KHR_materials_unlit",
     "KHR_texture_transform",
     "KHR_mesh_quantization", // accessors of all types are read anyway
     "EXT_mesh_gpu_instancing",
 ];
+
+/// Its diffuse part and its glossiness are read.
+const SPECULAR: &str = "KHR_materials_pbrSpecularGlossiness";
 
 /// Extensions that say nothing visible: no warning where a file uses them.
 const INVISIBLE: &[&str] =
@@ -48,11 +54,35 @@ pub fn open(project: &Path, file: &str, bytes: &[u8]) -> Result<Gltf, String> {
     let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
     let unread = |error: serde_json::Error| format!("is no readable glTF: {error}");
     check_head(&serde_json::from_slice(text).map_err(unread)?)?;
-    let root: Root = serde_json::from_slice(text).map_err(unread)?;
+    let root: Root =
+        serde_json::from_slice(text).or_else(|error| reread(text).ok_or(error)).map_err(unread)?;
     let buffers = (0..root.buffers.len()).map(|n| buffer(project, file, &root, n, blob));
-    let buffers = buffers.collect::<Result<_, _>>()?;
+    let buffers: Vec<Vec<u8>> = buffers.collect::<Result<_, _>>()?;
+    check_compression(&root, &buffers)?;
     Ok(Gltf { file: file.to_owned(), root, buffers })
 }
+
+/// Once more, with integers that were written as 1.0.
+fn reread(text: &[u8]) -> Option<Root> {
+    let mut value = serde_json::from_slice(text).ok()?;
+    round_integers(&mut value);
+    serde_json::from_value(value).ok()
+}
+
+fn round_integers(value: &mut Value) {
+    match value {
+        Value::Array(values) => values.iter_mut().for_each(round_integers),
+        Value::Object(values) => values.values_mut().for_each(round_integers),
+        Value::Number(number) => {
+            let whole = number.as_f64().filter(|x| x.fract() == 0.0 && (0.0..=MOST_INTEGER).contains(x));
+            *number = whole.map_or_else(|| number.clone(), |x| (x as u64).into());
+        }
+        _ => {}
+    }
+}
+
+/// Up to here f64 knows every integer.
+const MOST_INTEGER: f64 = 9_007_199_254_740_991.0;
 
 /// Whether the content looks like GLB or JSON, whatever the file is called.
 pub fn recognises(bytes: &[u8]) -> bool {
@@ -87,12 +117,15 @@ pub fn image_bytes(gltf: &Gltf, image: usize) -> Result<Vec<u8>, String> {
 /// Says why a file cannot be read before its content makes no sense.
 fn check_head(head: &Head) -> Result<(), String> {
     let version = match &head.asset["version"] {
-        serde_json::Value::String(version) => version.clone(),
-        serde_json::Value::Null => return Err("names no glTF version: it is no glTF 2.0 file".to_owned()),
+        Value::String(version) => version.clone(),
+        Value::Null => return Err("names no glTF version: it is no glTF 2.0 file".to_owned()),
         other => other.to_string(),
     };
     if !version.starts_with("2.") && version != "2" {
-        return Err(format!("is glTF {}; only glTF 2.0 is read: export it anew", shortened(&version)));
+        return Err(format!(
+            "is of glTF version `{}`; only glTF 2.0 is read: export it anew",
+            shortened(&version)
+        ));
     }
     let least = head.asset["minVersion"].as_str().unwrap_or("2.0");
     if least != "2.0" {
@@ -110,10 +143,37 @@ fn check_head(head: &Head) -> Result<(), String> {
     Err(format!("requires {}, which cannot be read: export it again without", shortened(&unknown.join(", "))))
 }
 
-/// Extensions that the file uses without need and that are lost.
-fn lost_extensions(gltf: &Gltf) -> Vec<&str> {
+/// Exporters forget to require compression: where it is used, the plain bytes have to be there too.
+fn check_compression(root: &Root, buffers: &[Vec<u8>]) -> Result<(), String> {
+    let is_bare = |accessor: &usize| {
+        root.accessors
+            .get(*accessor)
+            .is_some_and(|accessor| accessor.buffer_view.is_none() && accessor.sparse.is_none())
+    };
+    let mut primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    let draco = primitives.any(|primitive| {
+        primitive.extensions.contains_key("KHR_draco_mesh_compression")
+            && primitive.attributes.values().any(is_bare)
+    });
+    let is_empty = |view: &json::BufferView| buffers.get(view.buffer).is_some_and(Vec::is_empty);
+    let meshopt = ["EXT_meshopt_compression", "KHR_meshopt_compression"].into_iter().find(|name| {
+        root.buffer_views.iter().any(|view| view.extensions.contains_key(*name) && is_empty(view))
+    });
+    match draco.then_some("KHR_draco_mesh_compression").or(meshopt) {
+        Some(name) => Err(format!("is compressed by {name}, which cannot be read: export it again without")),
+        None => Ok(()),
+    }
+}
+
+/// What of the extensions that the file uses is lost.
+fn lost_extensions(gltf: &Gltf) -> Vec<String> {
     let used = gltf.root.extensions_used.iter().map(String::as_str);
-    used.filter(|name| !SUPPORTED.contains(name) && !INVISIBLE.contains(name)).collect()
+    let lost = used.filter_map(|name| match name {
+        SPECULAR => Some(format!("uses {name}, of which the specular colour is not read")),
+        _ if SUPPORTED.contains(&name) || INVISIBLE.contains(&name) => None,
+        _ => Some(format!("uses {name}, which is not read")),
+    });
+    lost.collect()
 }
 
 /// GLB: a header of 12 bytes (magic, version, length), then chunks (length, type, bytes): JSON, and the blob

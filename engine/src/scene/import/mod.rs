@@ -1,7 +1,8 @@
 //! Files of others, made into scenes of ours.
 //!
 //! [`import()`] reads a glTF, GLB or OBJ file into entities and materials that refer to what lies in it;
-//! [`load_assets`] reads what a scene refers to: meshes, pictures, clips. Both believe nothing that a file says.
+//! [`load_assets`] reads what a scene refers to: meshes, pictures, clips. Both believe nothing that a file
+//! says.
 
 mod gltf;
 mod image;
@@ -32,12 +33,12 @@ pub struct Imported {
 
 /// A file of meshes, open.
 enum Model {
-    Gltf(gltf::Gltf),
+    Gltf(Box<gltf::Gltf>),
     Obj(obj::Obj),
 }
 
-/// Reads `project/file`, glTF, GLB or OBJ by content and ending. Pictures need not be there (that is a warning), buffers
-/// must. Errors name the file and what is wrong with it.
+/// Reads `project/file`, glTF, GLB or OBJ by content and ending. Pictures need not be there (that is a
+/// warning), buffers must. Errors name the file and what is wrong with it.
 pub fn import(project: &Path, file: &str) -> Result<Imported, SceneError> {
     let refused = |message: String| SceneError::File { path: project.join(file), message };
     let model = open(project, file)?;
@@ -53,9 +54,9 @@ pub fn import(project: &Path, file: &str) -> Result<Imported, SceneError> {
     Ok(Imported { scene, warnings: distinct(warnings), companions })
 }
 
-/// Reads every mesh, picture and clip that the scene refers to, each once. What is missing or broken is a warning
-/// where the scene still makes sense without it (a picture, a clip) and an error where it does not (a mesh):
-/// it names the entity that refers to it, and the file.
+/// Reads every mesh, picture and clip that the scene refers to, each once. What is missing or broken is a
+/// warning where the scene still makes sense without it (a picture, a clip) and an error where it does not
+/// (a mesh): it names the entity that refers to it, and the file.
 pub fn load_assets(project: &Path, scene: &Scene) -> Result<(Assets, Vec<Warning>), SceneError> {
     let (meshes, images, clips) = (wanted_meshes(scene), wanted_images(scene), wanted_clips(scene));
     let in_meshes = meshes.keys().filter_map(|source| match source {
@@ -108,7 +109,7 @@ fn open(project: &Path, file: &str) -> Result<Model, SceneError> {
     match ending.as_str() {
         "obj" if !bytes.starts_with(b"glTF") => obj::open(file, &bytes).map(Model::Obj).map_err(refused),
         _ if ending == "gltf" || ending == "glb" || gltf::recognises(&bytes) => {
-            gltf::open(project, file, &bytes).map(Model::Gltf).map_err(refused)
+            gltf::open(project, file, &bytes).map(|gltf| Model::Gltf(Box::new(gltf))).map_err(refused)
         }
         _ => Err(refused("is neither glTF, GLB nor OBJ".to_owned())),
     }

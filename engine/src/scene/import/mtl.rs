@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 
 use crate::scene::material::Wrap;
-use crate::scene::{Alpha, ImageSource, Material, Texture};
+use crate::scene::{Albedo, Alpha, ImageSource, Material, Texture};
 
 /// A material as the library has it: the pictures' paths are as written.
 pub struct Authored {
@@ -14,6 +14,13 @@ pub struct Authored {
     alpha_map: Option<String>,
 }
 
+/// What has no Kd is light grey, as most programs show it: white would keep the light of a closed room for
+/// ever.
+pub fn unpainted(name: &str) -> Material {
+    let albedo = Albedo { color: Vec3::splat(0.8), ..Albedo::default() };
+    Material { name: name.to_owned(), albedo, ..Material::default() }
+}
+
 /// The materials of a library, in its order. `locate` turns a path as written into one of the project.
 pub fn materials(text: &str, locate: impl Fn(&str) -> Result<String, String>) -> Vec<Authored> {
     let mut materials: Vec<Authored> = Vec::new();
@@ -21,12 +28,11 @@ pub fn materials(text: &str, locate: impl Fn(&str) -> Result<String, String>) ->
         let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         let rest = rest.trim();
         if keyword == "newmtl" {
-            let material = Material { name: rest.to_owned(), ..Material::default() };
-            materials.push(Authored { material, lost: Vec::new(), alpha_map: None });
-        } else if let Some(authored) = materials.last_mut() {
-            if let Err(message) = statement(authored, &keyword.to_ascii_lowercase(), rest, &locate) {
-                authored.lost.push(format!("`{keyword}` {message}"));
-            }
+            materials.push(Authored { material: unpainted(rest), lost: Vec::new(), alpha_map: None });
+        } else if let Some(authored) = materials.last_mut()
+            && let Err(message) = statement(authored, &keyword.to_ascii_lowercase(), rest, &locate)
+        {
+            authored.lost.push(format!("`{keyword}` {message}"));
         }
     }
     materials.iter_mut().for_each(finish);

@@ -40,7 +40,8 @@ pub fn inside(path: &str) -> Option<String> {
             _ => names.push(name),
         }
     }
-    let usable = !names.is_empty() && names.iter().all(|name| !name.contains('\0'));
+    let has_drive = names.first().is_some_and(|name| name.as_bytes().get(1) == Some(&b':'));
+    let usable = !names.is_empty() && !has_drive && names.iter().all(|name| !name.contains('\0'));
     usable.then(|| names.join("/"))
 }
 

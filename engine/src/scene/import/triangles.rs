@@ -1,15 +1,16 @@
 //! From what files hold to a [`Mesh`]: parts that share a material, made whole and joined.
 //!
 //! A part may lack normals (each triangle is then flat, with vertices of its own), or hold numbers that are
-//! none (such triangles are dropped, such normals replaced). Triangles without an area stay: the bake drops and counts them.
+//! none (such triangles are dropped, such normals replaced). Triangles without an area stay: the bake drops
+//! and counts them.
 
 use glam::{Vec2, Vec3, Vec4};
 
 use crate::scene::Mesh;
 use crate::scene::mesh::Primitive;
 
-/// More vertices than any mesh of use has: a file that repeats its arrays for ever ends here.
-const MOST_VERTICES: usize = 1 << 26;
+/// More vertices or indices than any mesh of use has: a file that repeats its arrays for ever ends here.
+const MOST: usize = 1 << 25;
 
 /// One material's triangles. Attributes that are present have one entry a vertex.
 #[derive(Clone, Debug, Default)]
@@ -22,17 +23,17 @@ pub struct Part {
     pub indices: Vec<u32>,
 }
 
-/// The parts as the primitives of one mesh, in their order, and how many triangles were dropped because
-/// their corners are not finite.
-pub fn joined(parts: Vec<Part>) -> Result<(Mesh, usize), String> {
+/// The parts (each with its number in the file, for messages) as the primitives of one mesh, and how many
+/// triangles were dropped because their corners are not finite.
+pub fn joined(parts: impl Iterator<Item = (usize, Result<Part, String>)>) -> Result<(Mesh, usize), String> {
     let mut mesh = Mesh::default();
     let mut dropped = 0;
-    for (n, part) in parts.into_iter().enumerate() {
-        let (part, lost) = repaired(part).map_err(|message| format!("primitive {n}: {message}"))?;
-        dropped += lost;
-        if mesh.positions.len() + part.positions.len() > MOST_VERTICES {
-            return Err(format!("has more than {MOST_VERTICES} vertices"));
+    for (n, part) in parts {
+        let (part, lost) = part.and_then(repaired).map_err(|message| format!("primitive {n}: {message}"))?;
+        if (mesh.positions.len() + part.positions.len()).max(mesh.indices.len() + part.indices.len()) > MOST {
+            return Err(format!("has more than {MOST} vertices or indices: divide it"));
         }
+        dropped += lost;
         append(&mut mesh, part);
     }
     Ok((mesh, dropped))
@@ -108,7 +109,8 @@ fn face_normal(positions: &[Vec3], triangle: &[u32]) -> Option<Vec3> {
     (b - a).cross(c - a).try_normalize().map(|normal| normal.as_vec3())
 }
 
-/// Makes normals unit length; where one has no direction, it gets that of the first face around it that has one.
+/// Makes normals unit length; where one has no direction, it gets that of the first face around it that has
+/// one.
 fn repair_normals(part: &mut Part) {
     let Some(normals) = &mut part.normals else { return };
     for normal in normals.iter_mut() {

@@ -144,7 +144,11 @@ fn view(gltf: &Gltf, index: usize) -> Result<(&BufferView, &[u8]), String> {
     let buffer = get(&gltf.buffers, view.buffer, "buffer")?;
     let end = view.byte_offset.checked_add(view.byte_length).filter(|&end| end <= buffer.len() as u64);
     let end = end.ok_or_else(|| {
-        format!("buffer view {index} leads beyond the {} bytes of buffer {}", buffer.len(), view.buffer)
+        format!(
+            "refers to buffer view {index}, which leads beyond the {} bytes of buffer {}",
+            buffer.len(),
+            view.buffer
+        )
     })?;
     Ok((view, &buffer[view.byte_offset as usize..end as usize]))
 }

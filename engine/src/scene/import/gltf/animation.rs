@@ -1,6 +1,6 @@
 //! Animations: which nodes they move, and the key frames of one node.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use glam::{Vec3, Vec4};
 
@@ -20,6 +20,18 @@ pub fn animation_of_node(root: &Root) -> HashMap<usize, u32> {
         }
     }
     first
+}
+
+/// The animated nodes and all that stands below them.
+pub fn moving_nodes(root: &Root, animated: impl Iterator<Item = usize>) -> HashSet<usize> {
+    let mut moving = HashSet::new();
+    let mut stack: Vec<usize> = animated.collect();
+    while let Some(node) = stack.pop() {
+        if moving.insert(node) {
+            stack.extend(root.nodes.get(node).iter().flat_map(|node| &node.children));
+        }
+    }
+    moving
 }
 
 /// Whether an animation changes shapes, which is not shown.

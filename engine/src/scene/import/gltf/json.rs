@@ -1,7 +1,8 @@
 //! The JSON of glTF 2.0, as far as a scene needs it.
 //!
 //! Whatever may be missing is optional here, numbers keep the precision of the text (a site far from the
-//! origin stands on its f64 translations), and extensions are kept as they are. Indices are not believed: [`get`].
+//! origin stands on its f64 translations), and extensions are kept as they are. Indices are not believed:
+//! [`get`].
 
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -87,6 +88,7 @@ pub struct Primitive {
     pub material: Option<usize>,
     pub mode: Option<u32>,
     pub targets: Vec<Value>,
+    pub extensions: Extensions,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -124,6 +126,7 @@ pub struct BufferView {
     pub byte_offset: u64,
     pub byte_length: u64,
     pub byte_stride: u64,
+    pub extensions: Extensions,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -312,4 +315,13 @@ pub struct Instancing {
 #[serde(default, rename_all = "camelCase")]
 pub struct EmissiveStrength {
     pub emissive_strength: Option<f32>,
+}
+
+/// KHR_materials_pbrSpecularGlossiness.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub struct SpecularGlossiness {
+    pub diffuse_factor: Option<[f32; 4]>,
+    pub diffuse_texture: Option<TextureInfo>,
+    pub glossiness_factor: Option<f32>,
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::{Vec2, Vec3};
 
 use super::Gltf;
-use super::json::{self, Sampler, TextureInfo, TextureTransform, extension, get};
+use super::json::{self, MetallicRoughness, Sampler, TextureInfo, TextureTransform, extension, get};
 use crate::scene::import::path::{Reference, resolve};
 use crate::scene::material::Wrap;
 use crate::scene::{Albedo, Alpha, Emission, ImageSource, Material, MaterialId, Texture, Warning};
@@ -36,7 +36,8 @@ fn material(
     authored: &json::Material,
     lost: &mut Vec<String>,
 ) -> Result<Material, String> {
-    let pbr = &authored.pbr_metallic_roughness;
+    let glossy = specular_glossiness(authored)?;
+    let pbr = glossy.as_ref().unwrap_or(&authored.pbr_metallic_roughness);
     let [r, g, b, a] = pbr.base_color_factor;
     let mut texture = |info: &Option<TextureInfo>| match info {
         Some(info) => texture(project, gltf, info, lost),
@@ -65,6 +66,21 @@ fn material(
         unlit: authored.extensions.contains_key("KHR_materials_unlit"),
         ..Material::default()
     })
+}
+
+/// The older model's diffuse part is ours; its coloured mirror is not.
+fn specular_glossiness(authored: &json::Material) -> Result<Option<MetallicRoughness>, String> {
+    const NAME: &str = "KHR_materials_pbrSpecularGlossiness";
+    let Some(found): Option<json::SpecularGlossiness> = extension(&authored.extensions, NAME)? else {
+        return Ok(None);
+    };
+    Ok(Some(MetallicRoughness {
+        base_color_factor: found.diffuse_factor.unwrap_or([1.0; 4]),
+        base_color_texture: found.diffuse_texture,
+        metallic_factor: 0.0,
+        roughness_factor: 1.0 - found.glossiness_factor.unwrap_or(1.0),
+        metallic_roughness_texture: None,
+    }))
 }
 
 fn emission(authored: &json::Material, texture: Option<Texture>) -> Result<Emission, String> {

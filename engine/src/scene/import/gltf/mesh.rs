@@ -17,12 +17,8 @@ pub fn makes_triangles(primitive: &Primitive) -> bool {
 pub fn mesh(gltf: &Gltf, index: usize) -> Result<(Mesh, Vec<Warning>), String> {
     let mesh = get(&gltf.root.meshes, index, "mesh")?;
     let name = mesh_name(gltf, index);
-    let mut parts = Vec::new();
-    for (n, primitive) in
-        mesh.primitives.iter().enumerate().filter(|(_, primitive)| makes_triangles(primitive))
-    {
-        parts.push(part(gltf, primitive).map_err(|message| format!("{name}, primitive {n}: {message}"))?);
-    }
+    let drawn = mesh.primitives.iter().enumerate().filter(|(_, primitive)| makes_triangles(primitive));
+    let parts = drawn.map(|(n, primitive)| (n, part(gltf, primitive)));
     let (joined, dropped) = joined(parts).map_err(|message| format!("{name}: {message}"))?;
     let mut warnings = Vec::new();
     if dropped > 0 {

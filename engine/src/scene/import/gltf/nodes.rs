@@ -7,10 +7,10 @@ use glam::{DMat4, DQuat, DVec3, Vec3};
 
 use super::json::{self, Node, Root, extension, get};
 use super::mesh::{makes_triangles, mesh_name};
-use super::{Gltf, accessor, animation, lost_extensions, material, matrix};
+use super::{Gltf, accessor, animation, lights, lost_extensions, material, matrix};
 use crate::scene::{
-    Camera, Density, Entity, EntityId, Light, LightKind, MaterialId, MeshRenderer, MeshSource, Motion,
-    Projection, Reflection, Scene, Sky, SkyKind, Transform, Warning,
+    Density, Entity, EntityId, MaterialId, MeshRenderer, MeshSource, Motion, Reflection, Scene, Transform,
+    Warning,
 };
 
 /// The file's default scene, or its first, or all nodes, or all meshes: whichever is there.
@@ -27,21 +27,26 @@ pub fn scene(project: &Path, gltf: &Gltf) -> Result<(Scene, Vec<Warning>), Strin
         materials.push(material::default_material(default_id(gltf)));
     }
     made.warn_of_what_is_lost();
-    let sky = sky(&gltf.root).map_err(|message| format!("extras.sky_radiance: {message}"))?;
+    let mut lost = Vec::new();
+    let sky = lights::sky(&gltf.root, &mut lost);
+    lost.into_iter().for_each(|message| made.warn(message));
     Ok((Scene { sky, materials, entities: made.entities }, made.warnings))
 }
+
+/// A few bytes can ask for any number of instances.
+const MOST_ENTITIES: usize = 1 << 20;
 
 /// A node that is about to become an entity.
 struct Pending {
     node: usize,
     parent: Option<EntityId>,
-    /// Something above it moves.
-    carried: bool,
 }
 
 struct Made<'a> {
     gltf: &'a Gltf,
     animation_of_node: HashMap<usize, u32>,
+    /// Nodes that an animation moves or carries.
+    moving: HashSet<usize>,
     entities: Vec<Entity>,
     /// Ids up to the number of nodes are the nodes' own; others follow.
     next_id: u64,
@@ -52,8 +57,15 @@ struct Made<'a> {
 impl<'a> Made<'a> {
     fn new(gltf: &'a Gltf, warnings: Vec<Warning>) -> Self {
         let animation_of_node = animation::animation_of_node(&gltf.root);
-        let next_id = gltf.root.nodes.len() as u64 + 1;
-        Self { gltf, animation_of_node, entities: Vec::new(), next_id, default_is_used: false, warnings }
+        Self {
+            gltf,
+            moving: animation::moving_nodes(&gltf.root, animation_of_node.keys().copied()),
+            animation_of_node,
+            entities: Vec::new(),
+            next_id: gltf.root.nodes.len() as u64 + 1,
+            default_is_used: false,
+            warnings,
+        }
     }
 
     fn warn(&mut self, message: String) {
@@ -61,9 +73,8 @@ impl<'a> Made<'a> {
     }
 
     fn nodes(&mut self, roots: Vec<usize>) -> Result<(), String> {
-        let pending = |node: usize, parent, carried| Pending { node, parent, carried };
         let mut stack: Vec<Pending> =
-            roots.into_iter().rev().map(|node| pending(node, None, false)).collect();
+            roots.into_iter().rev().map(|node| Pending { node, parent: None }).collect();
         let mut seen = HashSet::new();
         while let Some(next) = stack.pop() {
             if !seen.insert(next.node) {
@@ -71,30 +82,22 @@ impl<'a> Made<'a> {
                 continue;
             }
             let node = get(&self.gltf.root.nodes, next.node, "node")?;
-            let (id, moves) =
-                self.node(&next).map_err(|message| format!("{}: {message}", name(node, next.node)))?;
-            stack.extend(node.children.iter().rev().map(|&child| pending(child, Some(id), moves)));
+            let id = self.node(&next).map_err(|message| format!("{}: {message}", name(node, next.node)))?;
+            stack.extend(node.children.iter().rev().map(|&child| Pending { node: child, parent: Some(id) }));
         }
         Ok(())
     }
 
-    /// The entity that the node's children belong to, and whether they move.
-    fn node(&mut self, pending: &Pending) -> Result<(EntityId, bool), String> {
+    /// The entity that the node's children belong to.
+    fn node(&mut self, pending: &Pending) -> Result<EntityId, String> {
         let node = &self.gltf.root.nodes[pending.node];
         let (transform, before) = transform(node)?;
-        let animation = self.animation_of_node.get(&pending.node).copied();
-        let moves = pending.carried || animation.is_some();
         let mut entity = Entity {
             id: EntityId(pending.node as u64 + 1),
             name: name(node, pending.node),
             parent: pending.parent,
             transform,
-            motion: animation.map(|animation| Motion::Clip {
-                file: self.gltf.file.clone(),
-                animation,
-                node: pending.node as u32,
-                speed: 1.0,
-            }),
+            motion: self.motion(pending.node),
             ..Entity::default()
         };
         if let Some(rotation) = before {
@@ -103,11 +106,13 @@ impl<'a> Made<'a> {
             let inner = self.child(&entity, format!("{} (sheared)", entity.name), inner);
             self.entities.push(std::mem::replace(&mut entity, inner));
         }
-        entity.light = self.light(node)?;
-        entity.camera = self.camera(node)?;
+        let mut lost = Vec::new();
+        entity.light = lights::light(self.gltf, node, &mut lost)?;
+        entity.camera = lights::camera(self.gltf, node, &mut lost)?;
+        lost.into_iter().for_each(|message| self.warn(message));
         let id = entity.id;
         let mesh = node.mesh.map(|mesh| self.renderer(mesh)).transpose()?.flatten();
-        let is_static = !moves && !self.skin_moves(node)?;
+        let is_static = !self.moving.contains(&pending.node) && !self.skin_moves(node)?;
         let instances: Option<json::Instancing> = extension(&node.extensions, "EXT_mesh_gpu_instancing")?;
         match (mesh, instances) {
             (Some(mesh), Some(instances)) => {
@@ -121,7 +126,12 @@ impl<'a> Made<'a> {
                 self.entities.push(entity);
             }
         }
-        Ok((id, moves))
+        Ok(id)
+    }
+
+    fn motion(&self, node: usize) -> Option<Motion> {
+        let animation = *self.animation_of_node.get(&node)?;
+        Some(Motion::Clip { file: self.gltf.file.clone(), animation, node: node as u32, speed: 1.0 })
     }
 
     fn child(&mut self, parent: &Entity, name: String, transform: Transform) -> Entity {
@@ -184,6 +194,9 @@ impl<'a> Made<'a> {
         is_static: bool,
     ) -> Result<Vec<Entity>, String> {
         let transforms = instance_transforms(self.gltf, instancing)?;
+        if self.entities.len() + transforms.len() > MOST_ENTITIES {
+            return Err(format!("its instances make more than {MOST_ENTITIES} entities"));
+        }
         let mut made = Vec::with_capacity(transforms.len());
         for (n, transform) in transforms.into_iter().enumerate() {
             let child = self.child(parent, format!("{} {n}", parent.name), transform);
@@ -192,40 +205,15 @@ impl<'a> Made<'a> {
         Ok(made)
     }
 
-    fn light(&mut self, node: &Node) -> Result<Option<Light>, String> {
-        const NAME: &str = "KHR_lights_punctual";
-        let Some(json::LightOfNode { light }) = extension(&node.extensions, NAME)? else { return Ok(None) };
-        let lights: json::Lights = extension(&self.gltf.root.extensions, NAME)?.unwrap_or_default();
-        let authored = get(&lights.lights, light, "light")?;
-        let made = light_of(authored);
-        if made.is_none() {
-            self.warn(format!("light {light} is of the unknown kind `{}` and was left out", authored.r#type));
-        }
-        Ok(made)
-    }
-
-    fn camera(&mut self, node: &Node) -> Result<Option<Camera>, String> {
-        let Some(camera) = node.camera else { return Ok(None) };
-        let made = camera_of(get(&self.gltf.root.cameras, camera, "camera")?);
-        if made.is_none() {
-            self.warn(format!(
-                "camera {camera} sees nothing (its field of view or planes are not usable) and was left out"
-            ));
-        }
-        Ok(made)
-    }
-
     /// Whether a joint of the node's skin moves: then the skinned mesh is no part of the static scene.
     fn skin_moves(&self, node: &Node) -> Result<bool, String> {
         let Some(skin) = node.skin else { return Ok(false) };
         let skin = get(&self.gltf.root.skins, skin, "skin")?;
-        Ok(skin.joints.iter().any(|joint| self.animation_of_node.contains_key(joint)))
+        Ok(skin.joints.iter().any(|joint| self.moving.contains(joint)))
     }
 
     fn warn_of_what_is_lost(&mut self) {
-        for name in lost_extensions(self.gltf) {
-            self.warn(format!("uses {name}, which is not read"));
-        }
+        lost_extensions(self.gltf).into_iter().for_each(|message| self.warn(message));
         if self.gltf.root.nodes.iter().any(|node| node.skin.is_some() && node.mesh.is_some()) {
             self.warn("has skinned meshes: they are shown as modelled, without their bones".to_owned());
         }
@@ -308,48 +296,4 @@ fn instance_transforms(gltf: &Gltf, instancing: &json::Instancing) -> Result<Vec
         to.scale = Vec3::from(scale).as_dvec3();
     }
     Ok(transforms)
-}
-
-fn light_of(authored: &json::Light) -> Option<Light> {
-    let kind = match authored.r#type.as_str() {
-        "directional" => LightKind::Sun,
-        "point" => LightKind::Point,
-        "spot" => {
-            let outer = authored.spot.outer_cone_angle.unwrap_or(std::f32::consts::FRAC_PI_4);
-            let outer = outer.clamp(0.0, std::f32::consts::FRAC_PI_2);
-            LightKind::Spot { inner: authored.spot.inner_cone_angle.unwrap_or(0.0).clamp(0.0, outer), outer }
-        }
-        _ => return None,
-    };
-    Some(Light {
-        kind,
-        color: authored.color.map_or(Vec3::ONE, Vec3::from),
-        intensity: authored.intensity.unwrap_or(1.0),
-        range: authored.range.filter(|&range| range > 0.0),
-        ..Light::default()
-    })
-}
-
-fn camera_of(authored: &json::Camera) -> Option<Camera> {
-    let (projection, near, far) = match (&authored.perspective, &authored.orthographic) {
-        (Some(p), _) => (Projection::Perspective { fov_y: p.yfov }, p.znear, p.zfar),
-        (None, Some(o)) => (Projection::Orthographic { half_height: o.ymag.abs() }, o.znear, Some(o.zfar)),
-        (None, None) => return None,
-    };
-    let camera = Camera { projection, near, far, exposure: 0.0 };
-    camera.validate().is_ok().then_some(camera)
-}
-
-/// Our reference scenes say in the glTF scene's extras what radiance [W/m2/sr] surrounds them.
-fn sky(root: &Root) -> Result<Sky, String> {
-    let value = root.scenes.get(root.scene.unwrap_or(0)).and_then(|scene| scene.extras.get("sky_radiance"));
-    let Some(value) = value else { return Ok(Sky::default()) };
-    let radiance: [f32; 3] =
-        serde::Deserialize::deserialize(value).map_err(|error: serde_json::Error| error.to_string())?;
-    let radiance = Vec3::from(radiance);
-    if !radiance.is_finite() || radiance.min_element() < 0.0 {
-        return Err("three finite numbers, none negative, belong here".to_owned());
-    }
-    let kind = if radiance == Vec3::ZERO { SkyKind::None } else { SkyKind::Constant { radiance } };
-    Ok(Sky { kind, ..Sky::default() })
 }

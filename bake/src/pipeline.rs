@@ -1,0 +1,321 @@
+//! THE bake, read from top to bottom: patches, receivers, probes, rays, balanced rows, certificate.
+
+use std::path::Path;
+
+use engine::scene::assets::Assets;
+use engine::scene::{MaterialId, Scene, Warning};
+use engine::transport::key::BakeWith;
+use engine::transport::sh::COEFFICIENTS;
+use engine::transport::surface::Blend;
+use engine::transport::{Certificate, Rows, Transport};
+use glam::Vec3;
+use rayon::prelude::*;
+
+use crate::balance::{balanced_rows, cap};
+use crate::bvh::Bvh;
+use crate::cache::Cache;
+use crate::certify::certify_rows;
+use crate::directions::{Sobol, hash_of};
+use crate::emitter::Emitters;
+use crate::holes::AlphaHoles;
+use crate::layout::{Layout, SAMPLES, layout};
+use crate::probe::{ProbeRow, probe_row};
+use crate::rays::{Hits, Tracer};
+use crate::surface::Surface;
+use crate::{BakeError, Watcher, aggregate};
+
+/// Rays of a light-probe row: few probes, each with nine coefficients to get right.
+pub const PROBE_RAYS: u32 = 4096;
+/// A point that meets back faces with more than this share of its rays lies inside something.
+const INSIDE: f64 = 0.25;
+
+/// Where rows are kept while they are traced.
+pub struct Caches {
+    pub patch: Cache,
+    pub receiver: Cache,
+}
+
+impl Caches {
+    pub fn none() -> Self {
+        Self { patch: Cache::none(), receiver: Cache::none() }
+    }
+
+    pub fn open(folder: &Path, key: &str) -> Self {
+        let key = &key[..key.len().min(32)];
+        Self { patch: Cache::open(folder, "patch", key), receiver: Cache::open(folder, "receiver", key) }
+    }
+
+    pub fn delete(&self) {
+        self.patch.delete();
+        self.receiver.delete();
+    }
+}
+
+/// A scene's transport with its rows, and the part of its certificate that no material decides.
+pub fn make(
+    scene: &Scene,
+    assets: &Assets,
+    surface: &Surface,
+    with: &BakeWith,
+    caches: &Caches,
+    watcher: &dyn Watcher,
+) -> Result<(Transport, Vec<Warning>), BakeError> {
+    watcher.stage("patches and receivers", 1);
+    let Layout { mut transport, rays, dropped_triangles, warnings, .. } =
+        layout(scene, assets, surface, with.length);
+    watcher.advance(1, 0);
+
+    let holes = AlphaHoles::new(&transport.surface, scene, assets);
+    let bvh = Bvh::new(&rays.triangles, holes.holed());
+    let emitters = Emitters::choose(&rays, &sampled(scene, &transport));
+    let tracer = Tracer { scene: &rays, bvh: &bvh, holes: &holes, watcher };
+
+    let patch_hits = tracer.patch_rows(with.rays, &caches.patch)?;
+    let patches_towards = patches_towards_emitters(&tracer, &emitters)?;
+    let receiver_hits = tracer.receiver_rows(with.rays, &caches.receiver)?;
+    let receivers_towards = receivers_towards_emitters(&tracer, &emitters)?;
+    let probe_rows = probe_rows(&tracer, &emitters)?;
+
+    watcher.stage("balance", 1);
+    let (rows, targets, balance) =
+        balanced_rows(&patch_hits, with.rays, &rays.patch_areas, &emitters, &patches_towards);
+    transport.patch_from_patch = rows;
+    transport.patches.iter_mut().zip(targets).for_each(|(patch, target)| patch.target = target);
+    transport.receiver_from_patch = receiver_rows(&receiver_hits, with.rays, &emitters, &receivers_towards);
+    mark_receivers(&mut transport, &receiver_hits, with.rays);
+    add_probe_rows(&mut transport, probe_rows);
+    aggregate::mark(&mut transport.patches, &transport.patch_from_patch);
+    watcher.advance(1, 0);
+
+    let rays_of = |rows: usize| rows as u64 * u64::from(with.rays);
+    let kept = caches.patch.kept_rows() + caches.receiver.kept_rows();
+    let probe_rays = transport.probes.len() as u64 * u64::from(PROBE_RAYS);
+    let rays_in_all = rays_of(patch_hits.len() + receiver_hits.len()) + probe_rays;
+    let area: f64 = rays.patch_areas.iter().sum();
+    let share = |counts: &dyn Fn(usize) -> u32| -> f64 {
+        let weighted = (0..patch_hits.len()).map(|i| rays.patch_areas[i] * f64::from(counts(i)));
+        if area > 0.0 { weighted.sum::<f64>() / (area * f64::from(with.rays)) } else { 0.0 }
+    };
+    transport.certificate = Certificate {
+        quality: with.quality.to_string(),
+        rays_per_row: with.rays,
+        base_length: with.length,
+        rays: rays_in_all,
+        rays_traced: rays_in_all - rays_of(kept),
+        row_sum_defect_raw: balance.defect_raw,
+        lost: share(&|i| patch_hits.lost[i]),
+        escaped: share(&|i| patch_hits.escaped[i] + sky_hits(&patch_hits, i, rays.patch_areas.len())),
+        dropped_triangles,
+        ..counts(&transport)
+    };
+    let mut certificate = std::mem::take(&mut transport.certificate);
+    certify_rows(&mut certificate, &transport);
+    certificate.transport_hash = transport.hash().to_hex().to_string();
+    transport.certificate = certificate;
+    Ok((transport, warnings))
+}
+
+fn sky_hits(hits: &Hits, i: usize, patches: usize) -> u32 {
+    hits.row(i).filter(|&(column, _)| column as usize >= patches).map(|(_, count)| count).sum()
+}
+
+fn counts(transport: &Transport) -> Certificate {
+    Certificate {
+        patches: transport.patches.len(),
+        receivers: transport.receivers.len(),
+        probes: transport.probes.len(),
+        sky_patches: transport.sky_patches as usize,
+        triangles: transport.surface.triangles.len(),
+        entries: [
+            transport.patch_from_patch.entries(),
+            transport.receiver_from_patch.entries(),
+            transport.probe_from_patch.entries(),
+        ],
+        ..Certificate::default()
+    }
+}
+
+/// By patch: does its material ask to be sampled towards?
+pub fn sampled(scene: &Scene, transport: &Transport) -> Vec<bool> {
+    let material =
+        |batch: u32| scene.material(MaterialId(transport.surface.batches[batch as usize].material));
+    transport.patches.iter().map(|patch| material(patch.batch).is_some_and(|m| m.emission.sampled)).collect()
+}
+
+type Towards = Vec<Vec<(u32, f64)>>;
+
+fn patches_towards_emitters(tracer: &Tracer, emitters: &Emitters) -> Result<Towards, BakeError> {
+    rows_towards(tracer, emitters, "patches towards emitters", tracer.scene.patch_areas.len(), |i| {
+        if emitters.is_emitter[i] { Vec::new() } else { emitters.patch_row(tracer, i, SAMPLES) }
+    })
+}
+
+fn receivers_towards_emitters(tracer: &Tracer, emitters: &Emitters) -> Result<Towards, BakeError> {
+    rows_towards(tracer, emitters, "receivers towards emitters", tracer.scene.receivers.len(), |i| {
+        let place = &tracer.scene.receivers[i];
+        emitters.row(tracer, place.position.as_vec3(), place.normal, place.key)
+    })
+}
+
+fn rows_towards(
+    tracer: &Tracer,
+    emitters: &Emitters,
+    stage: &str,
+    rows: usize,
+    row: impl Fn(usize) -> Vec<(u32, f64)> + Sync,
+) -> Result<Towards, BakeError> {
+    if emitters.patches.is_empty() {
+        return Ok(vec![Vec::new(); rows]);
+    }
+    tracer.watcher.stage(stage, rows as u64);
+    (0..rows)
+        .into_par_iter()
+        .map(|i| {
+            if tracer.watcher.cancelled() {
+                return Err(BakeError::Cancelled);
+            }
+            let row = row(i);
+            tracer.watcher.advance(1, 0);
+            Ok(row)
+        })
+        .collect()
+}
+
+/// Rows of receivers as they were counted: what was sampled towards takes its share, the rest is scaled so that
+/// the row closes.
+fn receiver_rows(hits: &Hits, rays: u32, emitters: &Emitters, towards: &Towards) -> Rows {
+    let finished: Vec<Vec<(u32, f32)>> =
+        (0..hits.len()).into_par_iter().map(|i| receiver_row(hits, i, rays, emitters, &towards[i])).collect();
+    let mut rows = Rows::default();
+    finished.into_iter().for_each(|row| rows.push(row));
+    rows
+}
+
+fn receiver_row(
+    hits: &Hits,
+    i: usize,
+    rays: u32,
+    emitters: &Emitters,
+    towards: &[(u32, f64)],
+) -> Vec<(u32, f32)> {
+    let is_emitter = |column: u32| emitters.is_emitter.get(column as usize).copied().unwrap_or(false);
+    let by_chance = || hits.row(i).filter(|&(column, _)| !is_emitter(column));
+    let target = 1.0 - f64::from(hits.lost[i] + hits.escaped[i]) / f64::from(rays);
+    let sampled: f64 = towards.iter().map(|towards| towards.1).sum();
+    let counted = f64::from(by_chance().map(|(_, count)| count).sum::<u32>());
+    // What was sampled towards may say a little more than all that chance leaves.
+    let (sampled_scale, scale) = match target - sampled {
+        left if counted == 0.0 => {
+            (if sampled > 0.0 { (target / sampled).min(1.0) } else { 0.0 }, left.min(0.0))
+        }
+        left if left <= 0.0 => (target / sampled, 0.0),
+        left => (1.0, left / counted),
+    };
+    let mut row: Vec<(u32, f32)> = by_chance()
+        .map(|(column, count)| (column, (f64::from(count) * scale) as f32))
+        .chain(towards.iter().map(|&(column, share)| (column, (share * sampled_scale) as f32)))
+        .filter(|entry| entry.1 > 0.0)
+        .collect();
+    row.sort_unstable_by_key(|entry| entry.0);
+    cap(&mut row, target);
+    row
+}
+
+/// Receivers inside a solid light nothing: vertices that blend them take their neighbours' receivers instead.
+fn mark_receivers(transport: &mut Transport, hits: &Hits, rays: u32) {
+    for (receiver, &lost) in transport.receivers.iter_mut().zip(&hits.lost) {
+        receiver.valid = f32::from(u8::from(f64::from(lost) <= INSIDE * f64::from(rays)));
+    }
+    let valid: Vec<bool> = transport.receivers.iter().map(|receiver| receiver.valid > 0.0).collect();
+    let triangles = &transport.surface.triangles;
+    let positions: Vec<Vec3> = transport.surface.vertices.iter().map(|vertex| vertex.position).collect();
+    for blends in [&mut transport.surface.blends, &mut transport.surface.back_blends] {
+        let mut lit: Vec<bool> = blends.iter_mut().map(|blend| keep_valid(blend, &valid)).collect();
+        for _ in 0..3 {
+            spread(blends, &mut lit, triangles, &positions);
+        }
+    }
+}
+
+/// Drops invalid receivers from a blend; false where none is left.
+fn keep_valid(blend: &mut Blend, valid: &[bool]) -> bool {
+    let mut kept = *blend;
+    for slot in 0..4 {
+        if kept.weights[slot] > 0.0 && !valid[kept.receivers[slot] as usize] {
+            (kept.receivers[slot], kept.weights[slot]) = (0, 0.0);
+        }
+    }
+    let sum: f32 = kept.weights.iter().sum();
+    if sum > 0.0 {
+        kept.weights = kept.weights.map(|weight| weight / sum);
+        *blend = kept;
+    }
+    sum > 0.0
+}
+
+/// A vertex without light takes that of the nearest lit vertex of its triangles.
+fn spread(blends: &mut [Blend], lit: &mut [bool], triangles: &[[u32; 3]], positions: &[Vec3]) {
+    if blends.is_empty() {
+        return;
+    }
+    let mut found: std::collections::BTreeMap<u32, (f32, u32)> = std::collections::BTreeMap::new();
+    for triangle in triangles {
+        for &to in triangle.iter().filter(|&&to| !lit[to as usize]) {
+            for &from in triangle.iter().filter(|&&from| lit[from as usize]) {
+                let way = (positions[from as usize].distance(positions[to as usize]), from);
+                let best = found.entry(to).or_insert(way);
+                if way < *best {
+                    *best = way;
+                }
+            }
+        }
+    }
+    for (to, (_, from)) in found {
+        blends[to as usize] = blends[from as usize];
+        lit[to as usize] = true;
+    }
+}
+
+fn probe_rows(tracer: &Tracer, emitters: &Emitters) -> Result<Vec<ProbeRow>, BakeError> {
+    tracer.watcher.stage("light probes", tracer.scene.probes.len() as u64);
+    let sobol = Sobol::new(PROBE_RAYS);
+    tracer
+        .scene
+        .probes
+        .par_iter()
+        .map(|&position| {
+            if tracer.watcher.cancelled() {
+                return Err(BakeError::Cancelled);
+            }
+            let key = hash_of(position.to_array().map(|x| u64::from(x.to_bits())));
+            let row = probe_row(tracer, emitters, position, &sobol, PROBE_RAYS, key);
+            tracer.watcher.advance(1, u64::from(PROBE_RAYS));
+            Ok(row)
+        })
+        .collect()
+}
+
+fn add_probe_rows(transport: &mut Transport, rows: Vec<ProbeRow>) {
+    for (probe, row) in transport.probes.iter_mut().zip(rows) {
+        probe.valid = f32::from(u8::from(row.lost <= INSIDE));
+        for k in 0..COEFFICIENTS {
+            transport
+                .probe_from_patch
+                .push(row.entries.iter().map(|(column, weights)| (*column, weights[k] as f32)));
+        }
+    }
+}
+
+/// Seconds a ray takes on one thread and entries a row has, from a few rows of the scene itself.
+pub fn measure(layout: &Layout, scene: &Scene, assets: &Assets, rays: u32) -> (f64, f64) {
+    const ROWS: usize = 32;
+    let holes = AlphaHoles::new(&layout.transport.surface, scene, assets);
+    let bvh = Bvh::new(&layout.rays.triangles, holes.holed());
+    let tracer = Tracer { scene: &layout.rays, bvh: &bvh, holes: &holes, watcher: &crate::Silent };
+    let rows = layout.rays.receivers.len();
+    let some: Vec<usize> = (0..ROWS.min(rows)).map(|k| k * rows / ROWS.min(rows)).collect();
+    let started = std::time::Instant::now();
+    let entries = tracer.sample_receivers(&some, rays);
+    let traced = some.len() as f64 * f64::from(rays);
+    (started.elapsed().as_secs_f64() / traced.max(1.0), entries as f64 / some.len().max(1) as f64)
+}

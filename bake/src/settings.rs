@@ -1,0 +1,62 @@
+//! From what the command line and the project say to how a scene is baked.
+
+use engine::scene::file::{Project, Quality};
+use engine::transport::key::BakeWith;
+
+use crate::{BakeError, Settings};
+
+/// Patches that a quality aims at; the patch length follows from the scene's area.
+fn patches(quality: Quality) -> f64 {
+    match quality {
+        Quality::Draft => 500.0,
+        Quality::Standard => 2000.0,
+        Quality::Fine => 8000.0,
+    }
+}
+
+fn rays(quality: Quality) -> u32 {
+    match quality {
+        Quality::Draft => 1024,
+        Quality::Standard => 2048,
+        Quality::Fine => 4096,
+    }
+}
+
+/// No patch is longer than this, whatever the scene's size [m].
+const LONGEST: f64 = 2.0;
+/// Patches beyond which a length is refused rather than baked for days.
+const MOST_PATCHES: f64 = 2e6;
+
+/// `area`: of all static surfaces, m2. Also says whether the base length is new and belongs into the project.
+pub fn settle(
+    project: &Project,
+    scene: &str,
+    settings: &Settings,
+    area: f64,
+) -> Result<(BakeWith, bool), BakeError> {
+    let quality = settings.quality.unwrap_or(project.bake.quality);
+    let rays = settings.rays.or(project.bake.rays).unwrap_or(rays(quality));
+    let explicit = settings.patch_length.or(project.bake.patch_length);
+    let fixed = project.bake.base_length.get(&base_length_key(scene, quality)).copied();
+    let natural = (area / patches(quality)).sqrt().min(LONGEST).max(1e-6);
+    let length = explicit.or(fixed).unwrap_or(natural);
+    if !(length > 0.0 && length.is_finite()) || rays == 0 {
+        return Err(BakeError::Other(format!(
+            "rays are {rays}, the patch length {length}: both must be above 0"
+        )));
+    }
+    if area / (length * length) > MOST_PATCHES {
+        let most = (area / MOST_PATCHES).sqrt();
+        return Err(BakeError::Other(format!(
+            "a patch length of {length} m makes {:.0} patches of {area:.0} m2; use at least {most:.3} m",
+            area / (length * length)
+        )));
+    }
+    let new = explicit.is_none() && fixed.is_none() && area > 0.0;
+    // Sobol points are even in powers of two.
+    Ok((BakeWith { quality, rays: rays.next_power_of_two().min(1 << 20), length }, new))
+}
+
+pub fn base_length_key(scene: &str, quality: Quality) -> String {
+    format!("{scene}/{quality}")
+}

@@ -1,0 +1,61 @@
+//! Projects made for a test, in a folder that goes with it.
+
+use std::path::{Path, PathBuf};
+
+use engine::scene::Scene;
+use engine::scene::file::{Project, save_project, save_scene};
+use engine::scene::import::import;
+
+/// A project whose scene is called `main`.
+pub struct TestProject {
+    folder: tempfile::TempDir,
+}
+
+impl TestProject {
+    /// Of a scene that needs no files.
+    pub fn of(scene: &Scene) -> Self {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        save_project(folder.path(), &Project::default()).expect("project.ron");
+        save_scene(folder.path(), "main", scene).expect("the scene");
+        Self { folder }
+    }
+
+    /// Of a model file, with everything that lies beside it.
+    pub fn from_file(file: &Path) -> Self {
+        let project = Self::of(&Scene::default());
+        let assets = project.path().join("assets");
+        copy_folder(file.parent().expect("a folder"), &assets);
+        let name = format!("assets/{}", file.file_name().expect("a name").to_string_lossy());
+        let imported = import(project.path(), &name).expect("an import");
+        save_scene(project.path(), "main", &imported.scene).expect("the scene");
+        project
+    }
+
+    pub fn path(&self) -> &Path {
+        self.folder.path()
+    }
+
+    pub fn scene(&self) -> Scene {
+        engine::scene::file::load_scene(self.path(), "main").expect("the scene")
+    }
+
+    pub fn save(&self, scene: &Scene) {
+        save_scene(self.path(), "main", scene).expect("the scene");
+    }
+
+    pub fn light_file(&self) -> PathBuf {
+        engine::transport::file::path(self.path(), "main")
+    }
+}
+
+fn copy_folder(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).expect("a folder");
+    for entry in std::fs::read_dir(from).expect("a folder").flatten() {
+        let target = to.join(entry.file_name());
+        if entry.path().is_dir() {
+            copy_folder(&entry.path(), &target);
+        } else {
+            std::fs::write(&target, std::fs::read(entry.path()).expect("a file")).expect("a copy");
+        }
+    }
+}
