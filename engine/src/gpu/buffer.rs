@@ -15,7 +15,7 @@ pub fn filled<T: NoUninit>(gpu: &Gpu, label: &str, items: &[T], usage: wgpu::Buf
         return empty(gpu, label, 0, usage);
     }
     let padded: Vec<u8>;
-    let contents = if bytes.len() % 4 == 0 && bytes.len() >= 64 {
+    let contents = if bytes.len().is_multiple_of(4) && bytes.len() >= 64 {
         bytes
     } else {
         padded = bytes.iter().copied().chain([0; 64]).take(bytes.len().next_multiple_of(4).max(64)).collect();
@@ -85,7 +85,7 @@ pub fn pages(what: &str, starts: &[u64], page_bytes: u64) -> Result<Vec<Range<us
     let mut first = 0;
     while first < rows {
         // The starts of a page's rows take one more entry than it has rows.
-        let fits = |end: usize| starts[end] - starts[first] <= entries && (end - first) as u64 + 1 <= entries;
+        let fits = |end: usize| starts[end] - starts[first] <= entries && ((end - first) as u64) < entries;
         let mut end = first + 1;
         if !fits(end) {
             let bytes = (starts[end] - starts[first]) * 4;

@@ -16,7 +16,7 @@ pub enum Encoding {
 /// cube map), and then binding them as an array fails.
 pub fn array_layers(wanted: u32) -> u32 {
     let layers = wanted.max(2);
-    if layers % 6 == 0 { layers + 1 } else { layers }
+    if layers.is_multiple_of(6) { layers + 1 } else { layers }
 }
 
 /// A texture to draw into and to read.

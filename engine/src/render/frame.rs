@@ -271,7 +271,7 @@ impl Renderer {
             let group = self.tonemap.group(gpu, &targets);
             self.target = Some((targets, group));
         }
-        let Some((targets, radiance)) = &self.target else { return 0 };
+        let Some(target) = &self.target else { return 0 };
         let scenery = Scenery {
             frame: &self.frame_group,
             scene: self.shadows.scene_group(),
@@ -281,7 +281,7 @@ impl Renderer {
             materials: &self.materials,
             eye: (now.eye.position - self.transport.origin).as_vec3(),
         };
-        let mut pass = targets.begin(encoder, self.timer.render("surface"));
+        let mut pass = target.0.begin(encoder, self.timer.render("surface"));
         let mut draws = 1;
         if now.view.shows_patches() {
             let shown = |batch: usize| scenery.instances.draws[batch].shown;
@@ -296,8 +296,7 @@ impl Renderer {
         }
         drop(pass);
         let timer = &mut self.timer;
-        let samples = targets.samples_read();
-        self.tonemap.draw(gpu, encoder, timer, &self.frame_group, radiance, samples, display);
+        self.tonemap.draw(gpu, encoder, timer, &self.frame_group, target, display);
         draws
     }
 

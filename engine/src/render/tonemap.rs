@@ -49,11 +49,10 @@ impl Tonemap {
         encoder: &mut wgpu::CommandEncoder,
         timer: &mut Timer,
         frame: &wgpu::BindGroup,
-        radiance: &wgpu::BindGroup,
-        samples: u32,
+        (targets, radiance): &(Targets, wgpu::BindGroup),
         display: &wgpu::Texture,
     ) {
-        let many = samples > 1;
+        let many = targets.samples_read() > 1;
         let format = display.format();
         let pipeline = self.pipelines.entry((format, many)).or_insert_with(|| {
             let entry = if many { "tonemap_samples" } else { "tonemap" };

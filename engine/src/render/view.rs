@@ -99,17 +99,13 @@ impl Eye {
         Self { position, rotation, projection, near, far, exposure }
     }
 
-    /// The scene's camera; without one, a view of the box `low .. high` from its front, above.
-    pub fn of_scene(scene: &Scene, world_from_local: &[DAffine3], low: DVec3, high: DVec3) -> Self {
-        let camera = scene
-            .entities
-            .iter()
-            .zip(world_from_local)
-            .find_map(|(entity, world)| Some(Self::of_camera(entity.camera.as_ref()?, world)));
-        camera.unwrap_or_else(|| Self::framing(low, high))
+    /// The scene's camera, if it has one.
+    pub fn of_scene(scene: &Scene, world_from_local: &[DAffine3]) -> Option<Self> {
+        let mut placed = scene.entities.iter().zip(world_from_local);
+        placed.find_map(|(entity, world)| Some(Self::of_camera(entity.camera.as_ref()?, world)))
     }
 
-    /// All of a box is in the picture.
+    /// From in front of a box and above it, so that all of it is in the picture.
     pub fn framing(low: DVec3, high: DVec3) -> Self {
         let (centre, radius) = ((low + high) * 0.5, ((high - low).length() * 0.5).max(0.5));
         let way = DVec3::new(0.35, 0.45, 1.0).normalize();
