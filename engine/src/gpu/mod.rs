@@ -1,1 +1,12 @@
-//! gpu
+//! The craft of wgpu: devices, buffers, textures, shaders, passes, timing. Nothing here knows a scene or light.
+
+pub mod buffer;
+pub mod device;
+pub mod error;
+pub mod pass;
+pub mod shader;
+pub mod texture;
+pub mod timing;
+
+pub use device::Gpu;
+pub use error::GpuError;

@@ -1,1 +1,40 @@
-//! render
+//! The frame on the GPU: one file a pass, named as its shader; [`frame`] tells them in order.
+//!
+//! Long-lived pipelines and buffers lie in [`Renderer`]; what a frame shows is handed in as [`Now`], the scene as
+//! it is at this moment. Nothing is remembered of a scene beyond what is needed to see that something changed.
+//!
+//! Bind groups of all shaders: 0 view and time, 1 scene, 2 transport, 3 the pass's own.
+
+pub mod bounce;
+pub mod coarse;
+pub mod direct;
+pub mod frame;
+pub mod gather;
+pub mod instances;
+pub mod lights;
+pub mod materials;
+pub mod meshes;
+pub mod patches;
+pub mod pictures;
+pub mod rows;
+pub mod shaders;
+pub mod shadow;
+pub mod sky;
+pub mod sources;
+pub mod spaces;
+pub mod surface;
+pub mod targets;
+pub mod tonemap;
+pub mod view;
+
+use crate::gpu::GpuError;
+pub use frame::{Drawn, Now, Renderer, Settings};
+pub use view::{Eye, View};
+
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    #[error("the bake makes no sense: {0}; delete it and bake again")]
+    Transport(String),
+}

@@ -1,0 +1,132 @@
+//! One GPU device and what it can do.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::GpuError;
+
+/// A device, its queue, and its limits.
+pub struct Gpu {
+    pub adapter: wgpu::Adapter,
+    pub device: wgpu::Device,
+    pub queue: wgpu::Queue,
+    pub info: wgpu::AdapterInfo,
+    /// No array of a page (see [`super::buffer::pages`]) is larger than this many bytes.
+    pub page_bytes: u64,
+    /// Drawn by the processor: barriers are slow there, threads few.
+    pub software: bool,
+    said: Arc<Mutex<Said>>,
+}
+
+/// What the device said of itself since it was last asked.
+#[derive(Default)]
+struct Said {
+    error: Option<String>,
+    lost: Option<String>,
+}
+
+impl Gpu {
+    /// The best adapter that needs no window; WGPU_BACKEND and WGPU_ADAPTER_NAME choose another.
+    pub fn headless() -> Result<Self, GpuError> {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle().with_env());
+        Self::open(&instance, None)
+    }
+
+    /// The best adapter that can show pictures on `surface`.
+    pub fn open(instance: &wgpu::Instance, surface: Option<&wgpu::Surface<'_>>) -> Result<Self, GpuError> {
+        let options = wgpu::RequestAdapterOptions {
+            power_preference: wgpu::PowerPreference::HighPerformance,
+            compatible_surface: surface,
+            ..Default::default()
+        };
+        let adapter =
+            pollster::block_on(instance.request_adapter(&options)).map_err(|_| GpuError::NoAdapter)?;
+        Self::from_adapter(adapter)
+    }
+
+    pub fn from_adapter(adapter: wgpu::Adapter) -> Result<Self, GpuError> {
+        let info = adapter.get_info();
+        can_draw(&adapter, &info)?;
+        let limits = adapter.limits();
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("hohlraum"),
+            required_features: adapter.features() & WANTED,
+            required_limits: limits.clone(),
+            ..Default::default()
+        };
+        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
+            .map_err(|error| GpuError::NoDevice { adapter: info.name.clone(), message: error.to_string() })?;
+        let said = listen(&device);
+        let page_bytes = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+        let software = info.device_type == wgpu::DeviceType::Cpu;
+        Ok(Self { adapter, device, queue, info, page_bytes, software, said })
+    }
+
+    /// "llvmpipe (LLVM 15.0.6, 256 bits), Gl".
+    pub fn name(&self) -> String {
+        format!("{}, {:?}", self.info.name, self.info.backend)
+    }
+
+    pub fn has(&self, features: wgpu::Features) -> bool {
+        self.device.features().contains(features)
+    }
+
+    /// The first error that the device reported since this was last asked.
+    pub fn check(&self) -> Result<(), GpuError> {
+        let said = std::mem::take(&mut *self.said.lock().unwrap_or_else(PoisonError::into_inner));
+        match (said.lost, said.error) {
+            (Some(message), _) => Err(GpuError::Lost(message)),
+            (None, Some(message)) => Err(GpuError::Reported(message)),
+            (None, None) => Ok(()),
+        }
+    }
+
+    /// Blocks until everything that was submitted is done.
+    pub fn wait(&self) -> Result<(), GpuError> {
+        match self.device.poll(wgpu::PollType::wait_indefinitely()) {
+            Ok(_) => self.check(),
+            Err(error) => Err(GpuError::Lost(error.to_string())),
+        }
+    }
+
+    /// Refuses an array that no buffer of this device can hold.
+    pub fn fits(&self, what: &str, bytes: u64) -> Result<(), GpuError> {
+        let limits = self.device.limits();
+        let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+        if bytes <= limit {
+            return Ok(());
+        }
+        Err(GpuError::TooLarge { what: what.to_owned(), bytes, limit })
+    }
+}
+
+const WANTED: wgpu::Features = wgpu::Features::TIMESTAMP_QUERY;
+
+fn can_draw(adapter: &wgpu::Adapter, info: &wgpu::AdapterInfo) -> Result<(), GpuError> {
+    let flags = adapter.get_downlevel_capabilities().flags;
+    let needed = [
+        (wgpu::DownlevelFlags::COMPUTE_SHADERS, "compute shaders"),
+        (wgpu::DownlevelFlags::VERTEX_STORAGE, "storage buffers in vertex shaders"),
+        (wgpu::DownlevelFlags::COMPARISON_SAMPLERS, "comparison samplers"),
+    ];
+    match needed.iter().find(|(flag, _)| !flags.contains(*flag)) {
+        Some((_, what)) => Err(GpuError::Lacks { adapter: info.name.clone(), what }),
+        None => Ok(()),
+    }
+}
+
+/// Keeps what wgpu would otherwise panic about, for [`Gpu::check`].
+fn listen(device: &wgpu::Device) -> Arc<Mutex<Said>> {
+    let said = Arc::new(Mutex::new(Said::default()));
+    let errors = said.clone();
+    device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+        let mut said = errors.lock().unwrap_or_else(PoisonError::into_inner);
+        said.error.get_or_insert_with(|| error.to_string());
+    }));
+    let losses = said.clone();
+    device.set_device_lost_callback(move |reason, message| {
+        if reason != wgpu::DeviceLostReason::Destroyed {
+            losses.lock().unwrap_or_else(PoisonError::into_inner).lost = Some(message);
+        }
+    });
+    said
+}

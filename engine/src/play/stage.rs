@@ -1,0 +1,99 @@
+//! Window, surface, device and renderer.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use winit::dpi::PhysicalSize;
+use winit::event_loop::ActiveEventLoop;
+use winit::window::{CursorGrabMode, Window};
+
+use super::headless::save;
+use super::{Options, PlayError, World};
+use crate::gpu::{Gpu, texture};
+use crate::render::{Drawn, Now, Renderer, Settings};
+
+pub struct Stage {
+    pub window: Arc<Window>,
+    surface: wgpu::Surface<'static>,
+    config: wgpu::SurfaceConfiguration,
+    gpu: Arc<Gpu>,
+    pub renderer: Renderer,
+}
+
+impl Stage {
+    pub fn new(event_loop: &ActiveEventLoop, options: &Options, world: &World) -> Result<Self, PlayError> {
+        let no_window = |error: String| PlayError::Window(error);
+        let [width, height] = options.size;
+        let attributes = Window::default_attributes()
+            .with_title(&world.name)
+            .with_inner_size(PhysicalSize::new(width, height));
+        let window =
+            Arc::new(event_loop.create_window(attributes).map_err(|error| no_window(error.to_string()))?);
+        let display = Box::new(event_loop.owned_display_handle());
+        let descriptor = wgpu::InstanceDescriptor::new_with_display_handle(display).with_env();
+        let instance = wgpu::Instance::new(descriptor);
+        let surface =
+            instance.create_surface(window.clone()).map_err(|error| no_window(error.to_string()))?;
+        let gpu = Arc::new(Gpu::open(&instance, Some(&surface))?);
+        let size = window.inner_size();
+        let mut config = surface
+            .get_default_config(&gpu.adapter, size.width.max(1), size.height.max(1))
+            .ok_or_else(|| no_window(format!("{} shows no pictures in this window", gpu.name())))?;
+        let formats = surface.get_capabilities(&gpu.adapter).formats;
+        config.format = formats.into_iter().find(|format| format.is_srgb()).unwrap_or(config.format);
+        surface.configure(&gpu.device, &config);
+        let settings = Settings {
+            wait: options.fixed_dt.is_some(),
+            unlimited_gain: world.unlimited_gain,
+            ..Settings::default()
+        };
+        let renderer = Renderer::new(gpu.clone(), world.transport.clone(), &world.assets, settings)?;
+        Ok(Self { window, surface, config, gpu, renderer })
+    }
+
+    pub fn size(&self) -> [u32; 2] {
+        [self.config.width, self.config.height]
+    }
+
+    /// A window that is minimised has no size; its surface keeps the last one.
+    pub fn resize(&mut self, width: u32, height: u32) {
+        if width > 0 && height > 0 {
+            (self.config.width, self.config.height) = (width, height);
+            self.surface.configure(&self.gpu.device, &self.config);
+        }
+    }
+
+    /// `None`: the window shows nothing now.
+    pub fn draw(&mut self, now: &Now<'_>) -> Result<Option<Drawn>, PlayError> {
+        use wgpu::CurrentSurfaceTexture as Current;
+        let picture = match self.surface.get_current_texture() {
+            Current::Success(picture) | Current::Suboptimal(picture) => picture,
+            Current::Timeout | Current::Occluded => return Ok(None),
+            Current::Outdated | Current::Lost | Current::Validation => {
+                self.gpu.check()?;
+                self.surface.configure(&self.gpu.device, &self.config);
+                return Ok(None);
+            }
+        };
+        let drawn = self.renderer.draw(now, &picture.texture)?;
+        self.window.pre_present_notify();
+        self.gpu.queue.present(picture);
+        Ok(Some(drawn))
+    }
+
+    /// The same once more, into a file.
+    pub fn photograph(&mut self, now: &Now<'_>, path: &Path) -> Result<(), PlayError> {
+        let format = wgpu::TextureFormat::Rgba8UnormSrgb;
+        let display = texture::target(&self.gpu, "screenshot", self.size(), 1, format);
+        self.renderer.draw(now, &display)?;
+        save(&self.gpu, &display, path)
+    }
+
+    /// Keeps the cursor in its place while it turns the camera; where the system cannot, it roams.
+    pub fn hold_cursor(&self, hold: bool) {
+        let modes: &[CursorGrabMode] =
+            if hold { &[CursorGrabMode::Locked, CursorGrabMode::Confined] } else { &[CursorGrabMode::None] };
+        let _ = modes.iter().any(|&mode| self.window.set_cursor_grab(mode).is_ok());
+        self.window.set_cursor_visible(!hold);
+    }
+}

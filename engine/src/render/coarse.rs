@@ -1,0 +1,139 @@
+//! The end of a product: the coarse correction over room-sized aggregates, the clamp B >= E, and B without
+//! what is emitted.
+
+use bytemuck::{Pod, Zeroable};
+use glam::Vec4;
+use wgpu::BufferUsages as Usage;
+
+use super::shaders;
+use super::spaces::Spaces;
+use crate::gpu::pass::{self, Binding, GROUP};
+use crate::gpu::shader::Library;
+use crate::gpu::{Gpu, GpuError, buffer};
+use crate::transport::solve;
+
+/// `Coarse` in `transport/coarse.wgsl`.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct CoarseUniform {
+    pub patches: u32,
+    pub aggregates: u32,
+    pub chunks: u32,
+    pub padding: u32,
+}
+
+/// The most aggregates: one workgroup solves for them.
+pub const MOST: usize = GROUP as usize;
+
+pub struct Coarse {
+    restrict: wgpu::ComputePipeline,
+    solve: wgpu::ComputePipeline,
+    correct: wgpu::ComputePipeline,
+    layouts: [wgpu::BindGroupLayout; 4],
+    before: wgpu::BindGroup,
+    light: wgpu::BindGroup,
+    own: [wgpu::BindGroup; 2],
+    uniform: CoarseUniform,
+    pub bytes: u64,
+}
+
+impl Coarse {
+    /// Without aggregates, until [`Self::set`].
+    pub fn new(gpu: &Gpu, library: &mut Library, spaces: &Spaces) -> Result<Self, GpuError> {
+        use Binding::{Read, Uniform, Write};
+        let module = library.module(gpu, shaders::COARSE)?;
+        let layout =
+            |bindings: &[Binding]| pass::layout(gpu, "coarse", wgpu::ShaderStages::COMPUTE, bindings);
+        let layouts = [
+            layout(&[Read, Read]),
+            layout(&[Uniform, Read, Write, Read, Write]),
+            layout(&[Read, Read, Read, Read, Write, Write]),
+            layout(&[Uniform, Read]),
+        ];
+        let pipeline = |entry, light: usize, own: usize| {
+            pass::compute(gpu, &module, entry, &[None, None, Some(&layouts[light]), Some(&layouts[own])])
+        };
+        let uniform = CoarseUniform {
+            patches: spaces.patch_count,
+            aggregates: 0,
+            chunks: spaces.patch_count.div_ceil(GROUP),
+            padding: 0,
+        };
+        Ok(Self {
+            restrict: pipeline("restrict_change", 0, 1),
+            solve: pipeline("solve", 0, 1),
+            correct: pipeline("correct", 2, 3),
+            before: pass::buffers(gpu, "coarse", &layouts[0], &[&spaces.radiosity, &spaces.next]),
+            light: pass::buffers(
+                gpu,
+                "coarse",
+                &layouts[2],
+                &[
+                    &spaces.patches,
+                    &spaces.next,
+                    &spaces.exitance,
+                    &spaces.emitted,
+                    &spaces.radiosity,
+                    &spaces.bounced,
+                ],
+            ),
+            own: own(gpu, &layouts, uniform, &[], &[]),
+            layouts,
+            uniform,
+            bytes: 0,
+        })
+    }
+
+    /// No aggregates: no correction. Done again when albedo changes.
+    pub fn set(&mut self, gpu: &Gpu, coarse: &solve::Coarse) -> Result<(), GpuError> {
+        gpu.fits("coarse correction", coarse.restricted.len() as u64 * 16)?;
+        // One workgroup solves: more aggregates than it has threads are as good as none.
+        let aggregates = if coarse.m <= MOST { coarse.m } else { 0 };
+        let restricted = &coarse.restricted[..aggregates * self.uniform.patches as usize];
+        let [red, green, blue] = &coarse.inverse;
+        let inverse: Vec<Vec4> =
+            (0..aggregates * aggregates).map(|i| Vec4::new(red[i], green[i], blue[i], 0.0)).collect();
+        self.uniform.aggregates = aggregates as u32;
+        self.own = own(gpu, &self.layouts, self.uniform, restricted, &inverse);
+        self.bytes = (restricted.len() + inverse.len()) as u64 * 16;
+        Ok(())
+    }
+
+    /// Turns `next` into `radiosity` and `bounced`. Returns the dispatches.
+    pub fn correct(&self, pass: &mut wgpu::ComputePass<'_>) -> u32 {
+        let mut dispatches = 1;
+        if self.uniform.aggregates > 0 {
+            pass.set_bind_group(2, &self.before, &[]);
+            pass.set_bind_group(3, &self.own[0], &[]);
+            pass.set_pipeline(&self.restrict);
+            pass::dispatch(pass, self.uniform.aggregates * self.uniform.chunks);
+            pass.set_pipeline(&self.solve);
+            pass.dispatch_workgroups(1, 1, 1);
+            dispatches += 2;
+        }
+        pass.set_pipeline(&self.correct);
+        pass.set_bind_group(2, &self.light, &[]);
+        pass.set_bind_group(3, &self.own[1], &[]);
+        pass::dispatch(pass, self.uniform.patches);
+        dispatches
+    }
+}
+
+fn own(
+    gpu: &Gpu,
+    layouts: &[wgpu::BindGroupLayout; 4],
+    uniform: CoarseUniform,
+    restricted: &[Vec4],
+    inverse: &[Vec4],
+) -> [wgpu::BindGroup; 2] {
+    let parts = u64::from(uniform.aggregates) * u64::from(uniform.chunks) * 16;
+    let uniform = buffer::filled(gpu, "coarse", &[uniform], Usage::UNIFORM);
+    let restricted = buffer::filled(gpu, "restricted", restricted, Usage::STORAGE);
+    let inverse = buffer::filled(gpu, "inverse", inverse, Usage::STORAGE);
+    let parts = buffer::empty(gpu, "coarse parts", parts, Usage::STORAGE);
+    let correction = buffer::empty(gpu, "correction", MOST as u64 * 16, Usage::STORAGE);
+    [
+        pass::buffers(gpu, "coarse", &layouts[1], &[&uniform, &restricted, &parts, &inverse, &correction]),
+        pass::buffers(gpu, "coarse", &layouts[3], &[&uniform, &correction]),
+    ]
+}

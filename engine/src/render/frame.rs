@@ -1,0 +1,402 @@
+//! THE frame: from the scene as it is now to a picture.
+//!
+//! ```text
+//! lights and movers -> shadow maps -> direct light at patches (E) -> bounce (B) -> receivers, probes
+//!                   -> surfaces -> sky -> blended surfaces -> tonemap
+//! ```
+//! What did not change is not done again: shadow maps, E, the bounce once it is solved, the gathers.
+
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable};
+use glam::{DAffine3, Mat4, Vec3, Vec4};
+
+use super::bounce::{Bounce, Measured, TOLERANCE};
+use super::coarse::Coarse;
+use super::direct::Direct;
+use super::gather::{Gather, Source};
+use super::instances::Instances;
+use super::materials::Materials;
+use super::meshes::{Meshes, StillBuffers};
+use super::patches::Patches;
+use super::pictures::Pictures;
+use super::rows::{self, PagedRows, Summed};
+use super::shadow::{Casters, Shadows};
+use super::sky::SkyPass;
+use super::sources::Sources;
+use super::spaces::Spaces;
+use super::surface::{Scenery, Surfaces};
+use super::targets::{self, Targets};
+use super::tonemap::Tonemap;
+use super::view::{Eye, View};
+use super::{RenderError, lights, shaders};
+use crate::gpu::pass::{self, Binding};
+use crate::gpu::timing::Timer;
+use crate::gpu::{Gpu, buffer};
+use crate::scene::Scene;
+use crate::scene::assets::Assets;
+use crate::transport::Transport;
+
+/// The scene as it is now, and where it is looked at from.
+#[derive(Clone, Copy)]
+pub struct Now<'a> {
+    pub scene: &'a Scene,
+    pub assets: &'a Assets,
+    /// One an entity, with its motion.
+    pub world_from_local: &'a [DAffine3],
+    /// Seconds.
+    pub time: f64,
+    pub eye: Eye,
+    pub view: View,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Settings {
+    /// Samples a pixel; `None`: the most, up to 4.
+    pub samples: Option<u32>,
+    /// How rows are summed; `None`: as suits the adapter.
+    pub summed: Option<Summed>,
+    /// Waits for what a frame measures before the next one, so that pictures repeat.
+    pub wait: bool,
+    /// Albedo as authored, however long light bounces in a closed room.
+    pub unlimited_gain: bool,
+}
+
+/// What a frame came to.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Drawn {
+    /// Of direct light, bounce and gather.
+    pub transport_dispatches: u32,
+    pub products: u32,
+    pub draws: u32,
+    pub shadow_draws: u32,
+    /// The error of B is at most this share of the largest B: measured last, which is before this frame's last
+    /// product. `None`: nothing was measured yet.
+    pub bound: Option<f32>,
+}
+
+/// `Frame` in `frame.wgsl`.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct FrameUniform {
+    pub clip_from_world: Mat4,
+    pub eye: Vec4,
+    pub forward: Vec3,
+    pub time: f32,
+    pub right: Vec3,
+    pub exposure: f32,
+    pub up: Vec3,
+    pub lights: u32,
+    pub view: u32,
+    pub encode: u32,
+    pub padding: [u32; 2],
+}
+
+/// Products of a frame while the light changes, and of the first one, which starts from darkness.
+const PRODUCTS: u32 = 2;
+const FIRST_PRODUCTS: u32 = 16;
+
+/// Long-lived pipelines and the bake on the GPU.
+pub struct Renderer {
+    gpu: Arc<Gpu>,
+    transport: Arc<Transport>,
+    settings: Settings,
+    samples: u32,
+    pub timer: Timer,
+    pictures: Pictures,
+    materials: Materials,
+    meshes: Meshes,
+    still: StillBuffers,
+    instances: Instances,
+    spaces: Spaces,
+    sources: Sources,
+    shadows: Shadows,
+    direct: Direct,
+    bounce: Bounce,
+    coarse: Coarse,
+    gather: Gather,
+    surfaces: Surfaces,
+    patches: Patches,
+    sky: SkyPass,
+    tonemap: Tonemap,
+    frame: wgpu::Buffer,
+    frame_group: wgpu::BindGroup,
+    target: Option<(Targets, wgpu::BindGroup)>,
+    /// Counts changes of what the bounce starts from.
+    version: u64,
+    /// Probes hold what is current.
+    probes_current: bool,
+}
+
+impl Renderer {
+    /// Uploads the bake and builds every pipeline.
+    pub fn new(
+        gpu: Arc<Gpu>,
+        transport: Arc<Transport>,
+        assets: &Assets,
+        settings: Settings,
+    ) -> Result<Self, RenderError> {
+        transport.validate().map_err(RenderError::Transport)?;
+        let gpu_ref = gpu.as_ref();
+        let library = &mut shaders::library()?;
+        let stages = wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE;
+        let frame_layout = &pass::layout(gpu_ref, "frame", stages, &[Binding::Uniform]);
+        let frame = buffer::filled(gpu_ref, "frame", &[FrameUniform::zeroed()], wgpu::BufferUsages::UNIFORM);
+        let page = &rows::page_layout(gpu_ref);
+        let summed = settings.summed.unwrap_or_else(|| Summed::best(gpu_ref));
+        let paged = |what, rows| PagedRows::new(gpu_ref, page, what, rows);
+        let patch_rows = paged("patch", &transport.patch_from_patch)?;
+        let read_rows = [
+            paged("receiver", &transport.receiver_from_patch)?,
+            paged("probe", &transport.probe_from_patch)?,
+        ];
+        let spaces = Spaces::new(gpu_ref, &transport)?;
+        let mut pictures = Pictures::new(gpu_ref, library)?;
+        let materials = Materials::new(gpu_ref, assets, &mut pictures);
+        let shadows = Shadows::new(gpu_ref, library, materials.layout())?;
+        let scene_layout = shadows.scene_layout();
+        let renderer = Self {
+            samples: settings.samples.unwrap_or_else(|| targets::most_samples(gpu_ref)),
+            settings,
+            timer: Timer::new(gpu_ref),
+            meshes: Meshes::default(),
+            still: StillBuffers::new(gpu_ref, &transport)?,
+            instances: Instances::new(gpu_ref, &transport),
+            sources: Sources::new(transport.clone(), settings.unlimited_gain),
+            direct: Direct::new(gpu_ref, library, frame_layout, scene_layout, &spaces)?,
+            bounce: Bounce::new(gpu_ref, library, page, patch_rows, summed, &spaces)?,
+            coarse: Coarse::new(gpu_ref, library, &spaces)?,
+            gather: Gather::new(gpu_ref, library, page, read_rows, summed, &spaces)?,
+            surfaces: Surfaces::new(
+                gpu_ref,
+                library,
+                frame_layout,
+                scene_layout,
+                materials.layout(),
+                &spaces,
+            )?,
+            patches: Patches::new(gpu_ref, library, frame_layout)?,
+            sky: SkyPass::new(gpu_ref, library, frame_layout, &pictures)?,
+            tonemap: Tonemap::new(gpu_ref, library, frame_layout)?,
+            frame_group: pass::buffers(gpu_ref, "frame", frame_layout, &[&frame]),
+            frame,
+            shadows,
+            spaces,
+            pictures,
+            materials,
+            target: None,
+            version: 0,
+            probes_current: false,
+            transport,
+            gpu,
+        };
+        renderer.gpu.check()?;
+        Ok(renderer)
+    }
+
+    /// Draws the scene as it is now into `display`.
+    pub fn draw(&mut self, now: &Now<'_>, display: &wgpu::Texture) -> Result<Drawn, RenderError> {
+        let gpu = &*self.gpu.clone();
+        self.bounce.receive();
+        self.timer.receive();
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+
+        // What stands where, what it is made of, what shines.
+        let materials_changed = self.materials.update(gpu, now.assets, &mut self.pictures, now.scene);
+        self.instances.update(gpu, now, &self.transport, &self.materials, &mut self.meshes);
+        let lights = lights::placed(now, &self.instances, self.transport.origin);
+        self.sky.update(gpu, now.assets, &mut self.pictures, &now.scene.sky.kind, &lights);
+        let emitted = self.sources.update(gpu, now, materials_changed, &self.spaces, &mut self.coarse)?;
+
+        // What the lights see.
+        let casters = Casters {
+            instances: &self.instances,
+            still: &self.still,
+            meshes: &self.meshes,
+            materials: &self.materials,
+        };
+        let shadowed = self.shadows.update(gpu, &mut encoder, &mut self.timer, &lights, &casters);
+        self.write_frame(gpu, now, display);
+
+        // Light on patches, then from patch to patch, then to receivers and probes.
+        let changed = shadowed.changed || emitted.albedo || emitted.emission;
+        let mut drawn = self.light(&mut encoder, changed, emitted.emission);
+
+        // The picture.
+        drawn.shadow_draws = shadowed.draws;
+        drawn.draws = shadowed.draws + self.paint(gpu, &mut encoder, now, display);
+        self.timer.resolve(&mut encoder);
+        gpu.queue.submit([encoder.finish()]);
+        self.timer.sent();
+        self.bounce.sent();
+        self.finish(gpu)?;
+        drawn.bound = self.bound();
+        Ok(drawn)
+    }
+
+    /// Direct light, bounce and gather: what of them is needed.
+    fn light(&mut self, encoder: &mut wgpu::CommandEncoder, changed: bool, emission: bool) -> Drawn {
+        let (timer, mut dispatches) = (&mut self.timer, 0);
+        if changed {
+            self.version += 1;
+            dispatches += self.direct.run(encoder, timer, &self.frame_group, self.shadows.scene_group());
+        }
+        let gain = self.sources.cavity_gain(self.settings.wait);
+        let products = products(self.bounce.measured, self.version, gain);
+        dispatches += self.bounce.run(encoder, timer, &self.coarse, products, self.version);
+        let moving = self.instances.any_moving();
+        let probes_late = moving && !self.probes_current;
+        if emission || probes_late {
+            dispatches += self.gather.run(encoder, timer, Source::Emitted, moving);
+        }
+        if products > 0 || probes_late {
+            dispatches += self.gather.run(encoder, timer, Source::Bounced, moving);
+        }
+        // What moves no longer may come back after the light has changed.
+        self.probes_current = moving;
+        Drawn { transport_dispatches: dispatches, products, ..Drawn::default() }
+    }
+
+    /// Surfaces, sky, blended surfaces, tonemap. Returns the draws.
+    fn paint(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        now: &Now<'_>,
+        display: &wgpu::Texture,
+    ) -> u32 {
+        let size = [display.width(), display.height()];
+        if self.target.as_ref().is_none_or(|(targets, _)| targets.size != size) {
+            let targets = Targets::new(gpu, size, self.samples);
+            let group = self.tonemap.group(gpu, &targets);
+            self.target = Some((targets, group));
+        }
+        let Some(target) = &self.target else { return 0 };
+        let scenery = Scenery {
+            frame: &self.frame_group,
+            scene: self.shadows.scene_group(),
+            instances: &self.instances,
+            still: &self.still,
+            meshes: &self.meshes,
+            materials: &self.materials,
+            eye: (now.eye.position - self.transport.origin).as_vec3(),
+        };
+        let mut pass = target.0.begin(encoder, self.timer.render("surface"));
+        let mut draws = 1;
+        if now.view.shows_patches() {
+            let shown = |batch: usize| scenery.instances.draws[batch].shown;
+            draws +=
+                self.patches.draw(gpu, &mut pass, &self.frame_group, &self.transport, shown, self.samples);
+        } else {
+            draws += self.surfaces.draw(gpu, &mut pass, &scenery, false, self.samples);
+            if now.view.shows_sky() {
+                draws += self.sky.draw(gpu, &mut pass, &self.frame_group, self.samples);
+            }
+            draws += self.surfaces.draw(gpu, &mut pass, &scenery, true, self.samples);
+        }
+        drop(pass);
+        let timer = &mut self.timer;
+        self.tonemap.draw(gpu, encoder, timer, &self.frame_group, target, display);
+        draws
+    }
+
+    fn write_frame(&self, gpu: &Gpu, now: &Now<'_>, display: &wgpu::Texture) {
+        let aspect = display.width() as f32 / display.height().max(1) as f32;
+        let origin = self.transport.origin;
+        let (eye, [forward, right, up]) = now.eye.rays(origin, aspect);
+        let uniform = FrameUniform {
+            clip_from_world: now.eye.clip_from_world(origin, aspect),
+            eye,
+            forward,
+            time: now.time as f32,
+            right,
+            exposure: now.eye.exposure.exp2(),
+            up,
+            lights: self.shadows.light_count(),
+            view: now.view as u32,
+            encode: u32::from(!display.format().is_srgb()),
+            padding: [0; 2],
+        };
+        gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
+    }
+
+    fn finish(&mut self, gpu: &Gpu) -> Result<(), RenderError> {
+        if self.settings.wait {
+            gpu.wait()?;
+        } else {
+            // What comes of it is seen in `check`.
+            let _ = gpu.device.poll(wgpu::PollType::Poll);
+        }
+        gpu.check()?;
+        self.bounce.receive();
+        self.timer.receive();
+        Ok(())
+    }
+
+    /// The error of B is at most this share of the largest B.
+    pub fn bound(&self) -> Option<f32> {
+        Some(self.bounce.measured?.bound(self.sources.known_gain()))
+    }
+
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    pub fn transport(&self) -> &Arc<Transport> {
+        &self.transport
+    }
+
+    /// The light as it lies on the GPU.
+    pub fn spaces(&self) -> &Spaces {
+        &self.spaces
+    }
+
+    /// What the last frame was drawn into before the tonemap.
+    pub fn targets(&self) -> Option<&Targets> {
+        self.target.as_ref().map(|(targets, _)| targets)
+    }
+
+    /// Pages of patch rows.
+    pub fn pages(&self) -> usize {
+        self.bounce.pages()
+    }
+
+    /// Bytes on the GPU by kind.
+    pub fn bytes(&self) -> [(&'static str, u64); 8] {
+        [
+            ("rows", self.bounce.bytes() + self.gather.bytes()),
+            ("light", self.spaces.bytes),
+            ("coarse correction", self.coarse.bytes),
+            ("surface", self.still.bytes),
+            ("meshes", self.meshes.bytes()),
+            ("pictures", self.pictures.bytes),
+            ("shadow maps", self.shadows.bytes()),
+            ("targets", self.targets().map_or(0, Targets::bytes)),
+        ]
+    }
+
+    /// What is not done, and why.
+    pub fn left_out(&self) -> Vec<String> {
+        let mut left_out = Vec::new();
+        if self.shadows.left_out > 0 {
+            left_out.push(format!("shadows of {} lights: too many lights", self.shadows.left_out));
+        }
+        if self.transport.sky_patches == 0 {
+            left_out.push("sky patches: no sky".to_owned());
+        }
+        if !self.instances.any_moving() {
+            left_out.push("light probes: nothing moves".to_owned());
+        }
+        if self.coarse.bytes == 0 {
+            left_out.push("coarse correction: few bounces count".to_owned());
+        }
+        left_out
+    }
+}
+
+/// How many products the light needs now: none once it is known to be solved.
+fn products(measured: Option<Measured>, version: u64, cavity_gain: f32) -> u32 {
+    let Some(measured) = measured else { return FIRST_PRODUCTS };
+    let bound = measured.bound(cavity_gain);
+    if measured.version == version && bound <= TOLERANCE { 0 } else { PRODUCTS }
+}

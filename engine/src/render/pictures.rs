@@ -1,0 +1,171 @@
+//! Pictures on the GPU, with all their smaller levels, and the ways to sample them.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use super::shaders;
+use crate::gpu::pass::{self, Binding};
+use crate::gpu::shader::Library;
+use crate::gpu::texture::{self, Encoding};
+use crate::gpu::{Gpu, GpuError};
+use crate::scene::assets::{Assets, Picture, Pixels};
+use crate::scene::material::Wrap;
+use crate::scene::{ImageSource, Texture};
+
+/// How a texture is sampled, apart from its picture.
+type Sampling = (Wrap, Wrap, bool, bool);
+
+pub struct Pictures {
+    known: HashMap<(ImageSource, Encoding), Known>,
+    samplers: HashMap<Sampling, wgpu::Sampler>,
+    white: wgpu::TextureView,
+    shrink: Shrink,
+    pub bytes: u64,
+}
+
+struct Known {
+    view: wgpu::TextureView,
+    source: Arc<Picture>,
+}
+
+impl Pictures {
+    pub fn new(gpu: &Gpu, library: &mut Library) -> Result<Self, GpuError> {
+        let white = texture::rgba8(gpu, "white", [1, 1], &[[255; 4]], Encoding::Linear);
+        Ok(Self {
+            known: HashMap::new(),
+            samplers: HashMap::new(),
+            white: white.create_view(&Default::default()),
+            shrink: Shrink::new(gpu, library)?,
+            bytes: 0,
+        })
+    }
+
+    /// All ones: in place of a picture that is not there.
+    pub fn white(&self) -> wgpu::TextureView {
+        self.white.clone()
+    }
+
+    /// The picture of a texture; white where there is none or the assets do not have it.
+    pub fn view(
+        &mut self,
+        gpu: &Gpu,
+        assets: &Assets,
+        image: Option<&ImageSource>,
+        encoding: Encoding,
+    ) -> wgpu::TextureView {
+        let Some((image, picture)) = image.and_then(|image| Some((image, assets.images.get(image)?))) else {
+            return self.white.clone();
+        };
+        let key = (image.clone(), encoding);
+        if let Some(known) = self.known.get(&key).filter(|known| Arc::ptr_eq(&known.source, picture)) {
+            return known.view.clone();
+        }
+        let Some(texture) = upload(gpu, picture, encoding) else { return self.white.clone() };
+        self.shrink.all_levels(gpu, &texture);
+        self.bytes += u64::from(texture.width()) * u64::from(texture.height()) * 16 / 3;
+        let view = texture.create_view(&Default::default());
+        self.known.insert(key, Known { view: view.clone(), source: picture.clone() });
+        view
+    }
+
+    pub fn sampler(&mut self, gpu: &Gpu, texture: Option<&Texture>) -> wgpu::Sampler {
+        let sampling = texture.map_or((Wrap::Repeat, Wrap::Repeat, false, true), |texture| {
+            (texture.wrap_u, texture.wrap_v, texture.nearest, texture.mipmaps)
+        });
+        self.samplers.entry(sampling).or_insert_with(|| sampler(gpu, sampling)).clone()
+    }
+}
+
+fn sampler(gpu: &Gpu, (u, v, nearest, mipmaps): Sampling) -> wgpu::Sampler {
+    let address = |wrap| match wrap {
+        Wrap::Repeat => wgpu::AddressMode::Repeat,
+        Wrap::Mirror => wgpu::AddressMode::MirrorRepeat,
+        Wrap::Clamp => wgpu::AddressMode::ClampToEdge,
+    };
+    let filter = if nearest { wgpu::FilterMode::Nearest } else { wgpu::FilterMode::Linear };
+    gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+        label: Some("picture"),
+        address_mode_u: address(u),
+        address_mode_v: address(v),
+        mag_filter: filter,
+        min_filter: filter,
+        mipmap_filter: if nearest { wgpu::MipmapFilterMode::Nearest } else { wgpu::MipmapFilterMode::Linear },
+        lod_max_clamp: if mipmaps { 32.0 } else { 0.0 },
+        // A processor that draws pays for every tap.
+        anisotropy_clamp: if nearest || !mipmaps || gpu.software { 1 } else { 8 },
+        ..Default::default()
+    })
+}
+
+fn upload(gpu: &Gpu, picture: &Picture, encoding: Encoding) -> Option<wgpu::Texture> {
+    let size = [picture.width, picture.height];
+    let most = gpu.device.limits().max_texture_dimension_2d;
+    if size.contains(&0) || size.iter().any(|&side| side > most) {
+        return None;
+    }
+    Some(match &picture.pixels {
+        Pixels::Rgba8(pixels) => texture::rgba8(gpu, "picture", size, pixels, encoding),
+        Pixels::Rgb32f(pixels) => {
+            let halves: Vec<[u16; 4]> =
+                pixels.iter().map(|[r, g, b]| [*r, *g, *b, 1.0].map(texture::half)).collect();
+            texture::rgba16(gpu, "picture", size, &halves)
+        }
+    })
+}
+
+/// Draws each level from the one above it.
+struct Shrink {
+    module: wgpu::ShaderModule,
+    layout: wgpu::BindGroupLayout,
+    sampler: wgpu::Sampler,
+    pipelines: HashMap<wgpu::TextureFormat, wgpu::RenderPipeline>,
+}
+
+impl Shrink {
+    fn new(gpu: &Gpu, library: &mut Library) -> Result<Self, GpuError> {
+        Ok(Self {
+            module: library.module(gpu, shaders::MIPMAP)?,
+            layout: pass::layout(
+                gpu,
+                "mipmap",
+                wgpu::ShaderStages::FRAGMENT,
+                &[Binding::Picture, Binding::Sampler],
+            ),
+            sampler: gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                ..Default::default()
+            }),
+            pipelines: HashMap::new(),
+        })
+    }
+
+    fn all_levels(&mut self, gpu: &Gpu, texture: &wgpu::Texture) {
+        let format = texture.format();
+        let pipeline = self.pipelines.entry(format).or_insert_with(|| {
+            let layout = pass::pipeline_layout(gpu, &[None, None, None, Some(&self.layout)]);
+            pass::over_picture(gpu, &self.module, "smaller", &layout, format)
+        });
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        for level in 1..texture.mip_level_count() {
+            let view = |level| {
+                texture.create_view(&wgpu::TextureViewDescriptor {
+                    base_mip_level: level,
+                    mip_level_count: Some(1),
+                    ..Default::default()
+                })
+            };
+            let resources = [
+                wgpu::BindingResource::TextureView(&view(level - 1)),
+                wgpu::BindingResource::Sampler(&self.sampler),
+            ];
+            let group = pass::group(gpu, "mipmap", &self.layout, &resources);
+            let target = view(level);
+            let mut draw = pass::draw_into(&mut encoder, "mipmap", &target, None);
+            draw.set_pipeline(pipeline);
+            draw.set_bind_group(3, &group, &[]);
+            draw.draw(0..3, 0..1);
+        }
+        gpu.queue.submit([encoder.finish()]);
+    }
+}

@@ -1,0 +1,40 @@
+//! Every shader, embedded.
+
+use crate::gpu::GpuError;
+use crate::gpu::shader::{Library, Source};
+
+/// Files that others import; each stands behind those that it imports itself.
+pub const IMPORTED: [Source; 7] = [
+    Source { name: "frame", text: include_str!("../../../shaders/frame.wgsl") },
+    Source { name: "scene/mesh", text: include_str!("../../../shaders/scene/mesh.wgsl") },
+    Source { name: "scene/material", text: include_str!("../../../shaders/scene/material.wgsl") },
+    Source { name: "scene/light", text: include_str!("../../../shaders/scene/light.wgsl") },
+    Source { name: "transport/patch", text: include_str!("../../../shaders/transport/patch.wgsl") },
+    Source { name: "transport/rows", text: include_str!("../../../shaders/transport/rows.wgsl") },
+    Source { name: "transport/sh", text: include_str!("../../../shaders/transport/sh.wgsl") },
+];
+
+/// One file a pass.
+pub const PASSES: [Source; 11] =
+    [SHADOW, DIRECT, BOUNCE, COARSE, GATHER, MEAN, SURFACE, PATCHES, SKY, TONEMAP, MIPMAP];
+
+pub const SHADOW: Source = Source { name: "shadow", text: include_str!("../../../shaders/shadow.wgsl") };
+pub const DIRECT: Source =
+    Source { name: "transport/direct", text: include_str!("../../../shaders/transport/direct.wgsl") };
+pub const BOUNCE: Source =
+    Source { name: "transport/bounce", text: include_str!("../../../shaders/transport/bounce.wgsl") };
+pub const COARSE: Source =
+    Source { name: "transport/coarse", text: include_str!("../../../shaders/transport/coarse.wgsl") };
+pub const GATHER: Source =
+    Source { name: "transport/gather", text: include_str!("../../../shaders/transport/gather.wgsl") };
+pub const MEAN: Source =
+    Source { name: "transport/mean", text: include_str!("../../../shaders/transport/mean.wgsl") };
+pub const SURFACE: Source = Source { name: "surface", text: include_str!("../../../shaders/surface.wgsl") };
+pub const PATCHES: Source = Source { name: "patches", text: include_str!("../../../shaders/patches.wgsl") };
+pub const SKY: Source = Source { name: "sky", text: include_str!("../../../shaders/sky.wgsl") };
+pub const TONEMAP: Source = Source { name: "tonemap", text: include_str!("../../../shaders/tonemap.wgsl") };
+pub const MIPMAP: Source = Source { name: "mipmap", text: include_str!("../../../shaders/mipmap.wgsl") };
+
+pub fn library() -> Result<Library, GpuError> {
+    Library::new(&IMPORTED)
+}

@@ -1,0 +1,134 @@
+//! What patches are made of and what they and the sky emit, followed on the CPU and sent to the GPU where it
+//! changed; and the cavity gain, which follows from albedo.
+
+use std::sync::{Arc, mpsc};
+
+use glam::Vec3;
+
+use super::coarse::Coarse;
+use super::frame::Now;
+use super::spaces::Spaces;
+use crate::gpu::{Gpu, GpuError};
+use crate::scene::Sky;
+use crate::transport::materials::{PatchMaterials, of_patches};
+use crate::transport::solve::{self, System};
+use crate::transport::{Transport, sky};
+
+/// Below it, a few bounces are all there is, and the coarse correction is left out.
+const GAIN_FOR_COARSE: f32 = 4.0;
+
+pub struct Sources {
+    transport: Arc<Transport>,
+    unlimited_gain: bool,
+    held: Option<(PatchMaterials, Sky)>,
+    gain: f32,
+    /// A better one, being solved for on another thread.
+    coming: Option<mpsc::Receiver<f32>>,
+}
+
+/// What differs from the last frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Changed {
+    pub albedo: bool,
+    /// Of patches or sky.
+    pub emission: bool,
+}
+
+impl Sources {
+    pub fn new(transport: Arc<Transport>, unlimited_gain: bool) -> Self {
+        Self { transport, unlimited_gain, held: None, gain: 1.0, coming: None }
+    }
+
+    /// Follows materials and sky.
+    pub fn update(
+        &mut self,
+        gpu: &Gpu,
+        now: &Now<'_>,
+        materials_changed: bool,
+        spaces: &Spaces,
+        coarse: &mut Coarse,
+    ) -> Result<Changed, GpuError> {
+        let held = self.held.take();
+        let first = held.is_none();
+        let (mut materials, held_sky) = held.unwrap_or_default();
+        let mut changed = Changed { albedo: first, emission: first };
+        if materials_changed || first {
+            let new = self.materials(now);
+            changed.albedo |= new.albedo != materials.albedo;
+            changed.emission |= new.exitance != materials.exitance;
+            materials = new;
+        }
+        if changed.albedo {
+            spaces.set_albedo(gpu, &materials.albedo);
+            self.follow_albedo(gpu, &materials.albedo, coarse)?;
+        }
+        if changed.emission {
+            spaces.set_emission(gpu, &materials.exitance);
+        }
+        if self.transport.sky_patches > 0 && (first || held_sky != now.scene.sky) {
+            let radiance = sky::radiance_of_patches(&now.scene.sky, now.assets);
+            spaces.set_sky(gpu, &radiance[..radiance.len().min(self.transport.sky_patches as usize)]);
+            changed.emission = true;
+        }
+        self.held = Some((materials, now.scene.sky.clone()));
+        Ok(changed)
+    }
+
+    /// For every patch, with the albedo that closed rooms can bear.
+    fn materials(&self, now: &Now<'_>) -> PatchMaterials {
+        let mut materials = of_patches(&self.transport, now.scene, now.assets);
+        if !self.unlimited_gain {
+            let rows = &self.transport.patch_from_patch;
+            solve::limit_gain(rows, &self.transport.patches, &mut materials.albedo);
+        }
+        materials
+    }
+
+    fn follow_albedo(&mut self, gpu: &Gpu, albedo: &[Vec3], coarse: &mut Coarse) -> Result<(), GpuError> {
+        let rows = &self.transport.patch_from_patch;
+        self.gain = stand_in(&self.transport, albedo);
+        let system = System { rows, patches: &self.transport.patches, albedo };
+        let needed = self.gain > GAIN_FOR_COARSE;
+        coarse.set(gpu, &if needed { solve::Coarse::new(&system) } else { solve::Coarse::default() })?;
+        let (sender, receiver) = mpsc::channel();
+        let (transport, albedo) = (self.transport.clone(), albedo.to_vec());
+        std::thread::spawn(move || {
+            let system =
+                System { rows: &transport.patch_from_patch, patches: &transport.patches, albedo: &albedo };
+            let gains = solve::cavity_gain(&system);
+            let largest = gains.iter().fold(1.0_f64, |max, gain| max.max(gain.max_element()));
+            // Nobody listens where the albedo has changed again.
+            let _ = sender.send(largest as f32);
+        });
+        self.coming = Some(receiver);
+        Ok(())
+    }
+
+    /// Cavity gain: solved for where that is done (`wait`: in any case), else what stands in for it.
+    pub fn cavity_gain(&mut self, wait: bool) -> f32 {
+        let come = self
+            .coming
+            .as_ref()
+            .and_then(|coming| if wait { coming.recv().ok() } else { coming.try_recv().ok() });
+        if let Some(gain) = come {
+            // Solved to seven digits; a little is added to be on the safe side.
+            self.gain = self.gain.min(gain * 1.001);
+            self.coming = None;
+        }
+        self.gain
+    }
+
+    pub fn known_gain(&self) -> f32 {
+        self.gain
+    }
+}
+
+/// max w <= 1 / (1 - max of rho_i times the sum of row i), as (I - RP) w = 1.
+fn stand_in(transport: &Transport, albedo: &[Vec3]) -> f32 {
+    let kept = albedo
+        .iter()
+        .enumerate()
+        .map(|(i, albedo)| f64::from(albedo.max_element()) * transport.patch_from_patch.sum(i));
+    let most = kept.fold(0.0, f64::max);
+    (1.0 / (1.0 - most).max(1e-7)) as f32
+}

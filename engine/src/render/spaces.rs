@@ -1,0 +1,99 @@
+//! The light on its spaces: one vector of four floats (rgb and nothing) a patch, receiver or probe coefficient.
+//! Columns are patches, then sky patches, which hold pi times their radiance.
+
+use glam::{Vec3, Vec4};
+use wgpu::BufferUsages as Usage;
+
+use crate::gpu::{Gpu, GpuError, buffer};
+use crate::transport::{Sample, Transport};
+
+/// All buffers of light, and the patches that it lives on.
+pub struct Spaces {
+    pub patch_count: u32,
+    pub receiver_count: u32,
+    /// Of valid receivers.
+    pub valid_receivers: u32,
+    pub probe_count: u32,
+    pub patches: wgpu::Buffer,
+    pub samples: wgpu::Buffer,
+    /// By patch.
+    pub albedo: wgpu::Buffer,
+    /// By column: what patches emit and what the sky sends [W/m2].
+    pub emitted: wgpu::Buffer,
+    /// By patch: emitted and reflected once from punctual lights.
+    pub exitance: wgpu::Buffer,
+    /// By column: B.
+    pub radiosity: wgpu::Buffer,
+    /// By patch: B after the product at hand.
+    pub next: wgpu::Buffer,
+    /// By column: B without what is emitted; the sky's is 0.
+    pub bounced: wgpu::Buffer,
+    /// By receiver: irradiance from `emitted`, and from `bounced`.
+    pub receivers: [wgpu::Buffer; 2],
+    /// Nine a probe, and nine more for where no probe is: likewise.
+    pub probes: [wgpu::Buffer; 2],
+    pub bytes: u64,
+}
+
+impl Spaces {
+    pub fn new(gpu: &Gpu, transport: &Transport) -> Result<Self, GpuError> {
+        let (patches, receivers) = (transport.patches.len() as u64, transport.receivers.len() as u64);
+        let (columns, probes) = (transport.columns() as u64, transport.probes.len() as u64);
+        let samples = &transport.samples;
+        let sizes = [
+            ("patches", patches * 64),
+            ("sky", columns * 16),
+            ("samples", size_of::<Sample>() as u64 * samples.len() as u64),
+            ("receivers", receivers * 16),
+            ("probes", (probes + 1) * 144),
+        ];
+        for (what, bytes) in sizes {
+            gpu.fits(what, bytes)?;
+        }
+        let light = |label, count: u64| buffer::empty(gpu, label, count * 16, Usage::STORAGE);
+        let both = |label, count: u64| [light(label, count), light(label, count)];
+        Ok(Self {
+            patch_count: patches as u32,
+            receiver_count: receivers as u32,
+            valid_receivers: transport.receivers.iter().filter(|receiver| receiver.valid > 0.5).count()
+                as u32,
+            probe_count: probes as u32,
+            patches: buffer::filled(gpu, "patches", &transport.patches, Usage::STORAGE),
+            samples: buffer::filled(gpu, "samples", samples, Usage::STORAGE),
+            albedo: light("albedo", patches),
+            emitted: light("emitted", columns),
+            exitance: light("exitance", patches),
+            radiosity: light("radiosity", columns),
+            next: light("next", patches),
+            bounced: light("bounced", columns),
+            receivers: both("receivers", receivers),
+            probes: both("probes", (probes + 1) * 9),
+            bytes: sizes.iter().map(|size| size.1).sum::<u64>()
+                + patches * 48
+                + columns * 32
+                + receivers * 16
+                + (probes + 1) * 144,
+        })
+    }
+
+    pub fn set_albedo(&self, gpu: &Gpu, albedo: &[Vec3]) {
+        write(gpu, &self.albedo, 0, albedo);
+    }
+
+    /// Emitted exitance M of each patch [W/m2].
+    pub fn set_emission(&self, gpu: &Gpu, exitance: &[Vec3]) {
+        write(gpu, &self.emitted, 0, exitance);
+    }
+
+    /// Radiance of each sky patch [W/m2/sr].
+    pub fn set_sky(&self, gpu: &Gpu, radiance: &[Vec3]) {
+        let columns: Vec<Vec3> = radiance.iter().map(|radiance| *radiance * std::f32::consts::PI).collect();
+        write(gpu, &self.emitted, u64::from(self.patch_count), &columns);
+        write(gpu, &self.radiosity, u64::from(self.patch_count), &columns);
+    }
+}
+
+fn write(gpu: &Gpu, buffer: &wgpu::Buffer, first: u64, values: &[Vec3]) {
+    let padded: Vec<Vec4> = values.iter().map(|value| value.extend(0.0)).collect();
+    gpu.queue.write_buffer(buffer, first * 16, bytemuck::cast_slice(&padded));
+}

@@ -1,0 +1,233 @@
+//! Surfaces: the baked ones and what moves, opaque first, blended ones from back to front behind the sky.
+
+use std::collections::HashMap;
+
+use glam::Vec3;
+use wgpu::{VertexAttribute, VertexBufferLayout, VertexStepMode, vertex_attr_array};
+
+use super::instances::{Draw, Instance, Instances, Pass};
+use super::materials::Materials;
+use super::meshes::{Meshes, StillBuffers};
+use super::shaders;
+use super::spaces::Spaces;
+use super::targets;
+use crate::gpu::pass::{self, Binding};
+use crate::gpu::shader::Library;
+use crate::gpu::{Gpu, GpuError};
+use crate::transport::Vertex;
+use crate::transport::surface::Blend;
+
+const VERTEX: [VertexAttribute; 5] =
+    vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x4, 3 => Float32x4, 4 => Float32x4];
+const BLEND: [VertexAttribute; 2] = vertex_attr_array![5 => Uint32x4, 6 => Float32x4];
+const BACK_BLEND: [VertexAttribute; 2] = vertex_attr_array![7 => Uint32x4, 8 => Float32x4];
+const INSTANCE: [VertexAttribute; 4] =
+    vertex_attr_array![9 => Float32x4, 10 => Float32x4, 11 => Float32x4, 12 => Uint32x2];
+
+const fn buffer<T>(
+    step_mode: VertexStepMode,
+    attributes: &'static [VertexAttribute],
+) -> Option<VertexBufferLayout<'static>> {
+    Some(VertexBufferLayout { array_stride: size_of::<T>() as u64, step_mode, attributes })
+}
+
+const STILL: [Option<VertexBufferLayout<'static>>; 3] = [
+    buffer::<Vertex>(VertexStepMode::Vertex, &VERTEX),
+    buffer::<Blend>(VertexStepMode::Vertex, &BLEND),
+    buffer::<Blend>(VertexStepMode::Vertex, &BACK_BLEND),
+];
+const BARE: [Option<VertexBufferLayout<'static>>; 1] = [buffer::<Vertex>(VertexStepMode::Vertex, &VERTEX)];
+const MOVING: [Option<VertexBufferLayout<'static>>; 2] = [
+    buffer::<Vertex>(VertexStepMode::Vertex, &VERTEX),
+    buffer::<Instance>(VertexStepMode::Instance, &INSTANCE),
+];
+
+/// `lit`: with what static surfaces need to read receivers.
+pub fn vertex_layouts(moving: bool, lit: bool) -> &'static [Option<VertexBufferLayout<'static>>] {
+    match (moving, lit) {
+        (true, _) => &MOVING,
+        (false, true) => &STILL,
+        (false, false) => &BARE,
+    }
+}
+
+/// Depth is reversed: nearer is greater.
+pub fn depth_state(write: bool) -> wgpu::DepthStencilState {
+    wgpu::DepthStencilState {
+        format: wgpu::TextureFormat::Depth32Float,
+        depth_write_enabled: Some(write),
+        depth_compare: Some(wgpu::CompareFunction::GreaterEqual),
+        stencil: Default::default(),
+        bias: Default::default(),
+    }
+}
+
+/// Sets vertices, indices, and the instance by an offset: OpenGL knows no first instance.
+pub fn bind_mesh(
+    pass: &mut wgpu::RenderPass<'_>,
+    draw: &Draw,
+    still: &StillBuffers,
+    meshes: &Meshes,
+    instances: &Instances,
+    lit: bool,
+) {
+    let format = wgpu::IndexFormat::Uint32;
+    if let Some(mesh) = draw.mesh {
+        let mesh = &meshes.all[mesh];
+        pass.set_vertex_buffer(0, mesh.vertices.slice(..));
+        let offset = u64::from(draw.instance) * size_of::<Instance>() as u64;
+        pass.set_vertex_buffer(1, instances.buffer.buffer().slice(offset..));
+        pass.set_index_buffer(mesh.indices.slice(..), format);
+        return;
+    }
+    pass.set_vertex_buffer(0, still.vertices.slice(..));
+    if lit {
+        pass.set_vertex_buffer(1, still.blends.slice(..));
+        pass.set_vertex_buffer(2, still.back_blends.slice(..));
+    }
+    pass.set_index_buffer(still.indices.slice(..), format);
+}
+
+/// What tells one pipeline from another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Variant {
+    moving: bool,
+    blend: bool,
+    cull: Option<wgpu::Face>,
+    samples: u32,
+}
+
+pub struct Surfaces {
+    module: wgpu::ShaderModule,
+    layout: wgpu::PipelineLayout,
+    /// Made when first needed.
+    pipelines: HashMap<Variant, wgpu::RenderPipeline>,
+    light: wgpu::BindGroup,
+    order: Vec<usize>,
+}
+
+/// What surfaces are drawn with.
+pub struct Scenery<'a> {
+    pub frame: &'a wgpu::BindGroup,
+    pub scene: &'a wgpu::BindGroup,
+    pub instances: &'a Instances,
+    pub still: &'a StillBuffers,
+    pub meshes: &'a Meshes,
+    pub materials: &'a Materials,
+    /// Relative to the transport's origin.
+    pub eye: Vec3,
+}
+
+impl Surfaces {
+    pub fn new(
+        gpu: &Gpu,
+        library: &mut Library,
+        frame_layout: &wgpu::BindGroupLayout,
+        scene_layout: &wgpu::BindGroupLayout,
+        material_layout: &wgpu::BindGroupLayout,
+        spaces: &Spaces,
+    ) -> Result<Self, GpuError> {
+        let module = library.module(gpu, shaders::SURFACE)?;
+        let light_layout = pass::layout(gpu, "light", wgpu::ShaderStages::VERTEX, &[Binding::Read; 4]);
+        let groups = [Some(frame_layout), Some(scene_layout), Some(&light_layout), Some(material_layout)];
+        let [direct, indirect] = &spaces.receivers;
+        let [probes_direct, probes_indirect] = &spaces.probes;
+        Ok(Self {
+            module,
+            layout: pass::pipeline_layout(gpu, &groups),
+            pipelines: HashMap::new(),
+            light: pass::buffers(
+                gpu,
+                "light",
+                &light_layout,
+                &[direct, indirect, probes_direct, probes_indirect],
+            ),
+            order: Vec::new(),
+        })
+    }
+
+    /// Draws the opaque or the blended surfaces. Returns the draws.
+    pub fn draw(
+        &mut self,
+        gpu: &Gpu,
+        pass: &mut wgpu::RenderPass<'_>,
+        scenery: &Scenery<'_>,
+        blended: bool,
+        samples: u32,
+    ) -> u32 {
+        self.sort(scenery, blended);
+        pass.set_bind_group(0, scenery.frame, &[]);
+        pass.set_bind_group(1, scenery.scene, &[]);
+        pass.set_bind_group(2, &self.light, &[]);
+        for &index in &self.order {
+            let draw = &scenery.instances.draws[index];
+            let variant =
+                Variant { moving: draw.mesh.is_some(), blend: blended, cull: culled(draw), samples };
+            let pipeline = self
+                .pipelines
+                .entry(variant)
+                .or_insert_with(|| pipeline(gpu, &self.module, &self.layout, variant));
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(3, scenery.materials.group(draw.material), &[]);
+            bind_mesh(pass, draw, scenery.still, scenery.meshes, scenery.instances, true);
+            pass.draw_indexed(draw.indices.clone(), 0, 0..1);
+        }
+        self.order.len() as u32
+    }
+
+    /// Opaque ones as they stand, blended ones from back to front.
+    fn sort(&mut self, scenery: &Scenery<'_>, blended: bool) {
+        let draws = &scenery.instances.draws;
+        let chosen = |index: &usize| {
+            let draw = &draws[*index];
+            draw.shown && !draw.indices.is_empty() && (draw.pass == Pass::Blend) == blended
+        };
+        self.order.clear();
+        self.order.extend((0..draws.len()).filter(chosen));
+        if blended {
+            let distance = |index: usize| draws[index].centre.distance_squared(scenery.eye);
+            self.order.sort_by(|&a, &b| distance(b).total_cmp(&distance(a)));
+        }
+    }
+}
+
+fn culled(draw: &Draw) -> Option<wgpu::Face> {
+    match (draw.double_sided, draw.mirrored) {
+        (true, _) => None,
+        (false, false) => Some(wgpu::Face::Back),
+        (false, true) => Some(wgpu::Face::Front),
+    }
+}
+
+fn pipeline(
+    gpu: &Gpu,
+    module: &wgpu::ShaderModule,
+    layout: &wgpu::PipelineLayout,
+    variant: Variant,
+) -> wgpu::RenderPipeline {
+    gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("surface"),
+        layout: Some(layout),
+        vertex: wgpu::VertexState {
+            module,
+            entry_point: Some(if variant.moving { "moving" } else { "still" }),
+            compilation_options: Default::default(),
+            buffers: vertex_layouts(variant.moving, true),
+        },
+        primitive: wgpu::PrimitiveState { cull_mode: variant.cull, ..Default::default() },
+        depth_stencil: Some(depth_state(!variant.blend)),
+        multisample: wgpu::MultisampleState { count: variant.samples, ..Default::default() },
+        fragment: Some(wgpu::FragmentState {
+            module,
+            entry_point: Some("shade"),
+            compilation_options: Default::default(),
+            targets: &[Some(wgpu::ColorTargetState {
+                format: targets::RADIANCE,
+                blend: variant.blend.then_some(wgpu::BlendState::ALPHA_BLENDING),
+                write_mask: wgpu::ColorWrites::ALL,
+            })],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}

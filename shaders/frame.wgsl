@@ -1,0 +1,35 @@
+// The view and the time: group 0 of every pass that draws for a camera.
+#define_import_path hohlraum::frame
+
+struct Frame {
+    clip_from_world: mat4x4f,
+    /// Where the eye is, and 1; with parallel rays: against the rays, and 0.
+    eye: vec4f,
+    /// To the middle of the picture; `right` and `up` lead from there to its edges, for sky rays.
+    forward: vec3f,
+    time: f32,
+    right: vec3f,
+    /// Display = exposure * radiance.
+    exposure: f32,
+    up: vec3f,
+    lights: u32,
+    view: u32,
+    /// 1 where the target does not encode sRGB by itself.
+    encode: u32,
+    padding: vec2u,
+}
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+
+const COMPOSITE: u32 = 0u;
+const DIRECT: u32 = 1u;
+const INDIRECT: u32 = 2u;
+const ALBEDO: u32 = 3u;
+const NORMAL: u32 = 4u;
+const PATCHES: u32 = 5u;
+const DENSITY: u32 = 6u;
+
+/// From a point to the eye, unit.
+fn to_eye(position: vec3f) -> vec3f {
+    return normalize(frame.eye.xyz - position * frame.eye.w);
+}

@@ -1,0 +1,50 @@
+// Depth as a light sees it, nothing culled: a back face blocks too. Holes of alpha masks are left out; a
+// blended surface blocks a share of the texels that is its alpha, by ordered dither.
+#import hohlraum::scene::mesh::moved
+#import hohlraum::scene::material::{material, base_color, is, MASK}
+
+struct ShadowView {
+    clip_from_world: mat4x4f,
+}
+
+@group(0) @binding(0) var<uniform> view: ShadowView;
+
+struct Point {
+    @builtin(position) clip: vec4f,
+    @location(0) uv: vec4f,
+    @location(1) color: vec4f,
+}
+
+@vertex
+fn still(@location(0) position: vec3f, @location(3) uv: vec4f, @location(4) color: vec4f) -> Point {
+    return Point(view.clip_from_world * vec4f(position, 1.0), uv, color);
+}
+
+@vertex
+fn moving(
+    @location(0) position: vec3f,
+    @location(3) uv: vec4f,
+    @location(4) color: vec4f,
+    @location(9) row_x: vec4f,
+    @location(10) row_y: vec4f,
+    @location(11) row_z: vec4f,
+) -> Point {
+    return Point(view.clip_from_world * vec4f(moved(position, row_x, row_y, row_z), 1.0), uv, color);
+}
+
+@fragment
+fn holes(point: Point) {
+    let alpha = base_color(point.uv, point.color).a;
+    if is(MASK) {
+        if alpha < material.cutoff {
+            discard;
+        }
+    } else if alpha <= dither(point.clip.xy) {
+        discard;
+    }
+}
+
+/// Interleaved gradient noise (Jimenez 2014): every neighbourhood holds all thresholds.
+fn dither(at: vec2f) -> f32 {
+    return fract(52.9829189 * fract(dot(at, vec2f(0.06711056, 0.00583715))));
+}

@@ -1,0 +1,91 @@
+//! Pictures without a window, for tests.
+
+use std::sync::Arc;
+
+use engine::gpu::{Gpu, texture};
+use engine::render::{Drawn, Eye, Now, Renderer, Settings, View};
+use engine::scene::assets::Assets;
+use engine::scene::{Scene, world_from_local};
+use engine::transport::Transport;
+use glam::Vec3;
+
+/// `None`, said in one line, where the machine has no GPU adapter at all.
+pub fn gpu() -> Option<Gpu> {
+    match Gpu::headless() {
+        Ok(gpu) => Some(gpu),
+        Err(engine::gpu::GpuError::NoAdapter) => {
+            println!("not run: no GPU adapter");
+            None
+        }
+        Err(error) => panic!("{error}"),
+    }
+}
+
+/// A renderer, and what it draws into.
+pub struct Studio {
+    pub renderer: Renderer,
+    pub display: wgpu::Texture,
+    pub eye: Eye,
+    pub assets: Assets,
+}
+
+impl Studio {
+    /// One sample a pixel, so that radiance can be read; pictures repeat.
+    pub fn new(gpu: Gpu, transport: Transport, eye: Eye, size: [u32; 2]) -> Self {
+        Self::with(gpu, transport, eye, size, Settings { samples: Some(1), ..Settings::default() })
+    }
+
+    pub fn with(gpu: Gpu, transport: Transport, eye: Eye, size: [u32; 2], settings: Settings) -> Self {
+        let gpu = Arc::new(gpu);
+        let display = texture::target(&gpu, "display", size, 1, wgpu::TextureFormat::Rgba8UnormSrgb);
+        let assets = Assets::default();
+        let settings = Settings { wait: true, ..settings };
+        let renderer = Renderer::new(gpu, Arc::new(transport), &assets, settings).unwrap();
+        Self { renderer, display, eye, assets }
+    }
+
+    pub fn draw(&mut self, scene: &Scene, view: View) -> Drawn {
+        self.draw_at(scene, view, 0.0)
+    }
+
+    pub fn draw_at(&mut self, scene: &Scene, view: View, time: f64) -> Drawn {
+        let world = world_from_local(scene);
+        let now = Now { scene, assets: &self.assets, world_from_local: &world, time, eye: self.eye, view };
+        self.renderer.draw(&now, &self.display).unwrap()
+    }
+
+    /// Until the light is solved.
+    pub fn settle(&mut self, scene: &Scene, view: View) -> Drawn {
+        for _ in 0..200 {
+            let drawn = self.draw(scene, view);
+            if drawn.transport_dispatches == 0 {
+                return drawn;
+            }
+        }
+        panic!("the light does not settle: {:?}", self.draw(scene, view));
+    }
+
+    /// Radiance before the tonemap, rows from the top.
+    pub fn radiance(&self) -> Vec<Vec3> {
+        let targets = self.renderer.targets().expect("a frame was drawn");
+        let bytes = texture::read(self.renderer.gpu(), &targets.radiance, 8).unwrap();
+        let halves =
+            bytes.chunks_exact(2).map(|pair| texture::single(u16::from_le_bytes([pair[0], pair[1]])));
+        let values: Vec<f32> = halves.collect();
+        values.chunks_exact(4).map(|texel| Vec3::new(texel[0], texel[1], texel[2])).collect()
+    }
+
+    pub fn radiance_at(&self, x: u32, y: u32) -> Vec3 {
+        self.radiance()[(y * self.display.width() + x) as usize]
+    }
+
+    /// 8 bits RGBA.
+    pub fn pixels(&self) -> Vec<u8> {
+        texture::read(self.renderer.gpu(), &self.display, 4).unwrap()
+    }
+
+    pub fn save(&self, path: &std::path::Path) {
+        let (width, height) = (self.display.width(), self.display.height());
+        image::save_buffer(path, &self.pixels(), width, height, image::ExtendedColorType::Rgba8).unwrap();
+    }
+}
