@@ -19,8 +19,6 @@ pub const SAMPLES: u32 = 16;
 pub struct Layout {
     pub transport: Transport,
     pub rays: RayScene,
-    /// metres = unit * scaled.
-    pub unit: f64,
     pub dropped_triangles: usize,
     pub warnings: Vec<Warning>,
 }
@@ -170,8 +168,7 @@ fn assemble(
     Layout {
         transport,
         rays,
-        unit: source.unit,
-        dropped_triangles: source.dropped,
+                dropped_triangles: source.dropped,
         warnings: source.warnings.clone(),
     }
 }

@@ -302,7 +302,6 @@ pub fn plan(project: &Path, scene: Option<&str>, settings: &Settings) -> Result<
 struct Solvable {
     opened: Opened,
     transport: Transport,
-    with: BakeWith,
 }
 
 impl Solvable {
@@ -331,7 +330,7 @@ impl Solvable {
         if transport_key(project, &opened.scene, &with) != certificate.key {
             return stale("static geometry, density, holes or probes have changed since");
         }
-        Ok(Self { opened, transport, with })
+        Ok(Self { opened, transport })
     }
 }
 

@@ -5,7 +5,7 @@
 //! * gather: rays of its own, which read the receivers where they land. One order better than the patches
 //!   (Sloan's iterate, twice), and free of their edges.
 
-use engine::scene::{Warning, world_from_local};
+use engine::scene::world_from_local;
 use engine::transport::direct::{PlacedLight, extent, irradiance_of_patches, placed_lights};
 use engine::transport::materials::{self, PatchMaterials};
 use engine::transport::sh::{COEFFICIENTS, basis};
@@ -45,7 +45,6 @@ pub struct Query {
     from_emitters: Vec<DVec3>,
     reflected: Vec<DVec3>,
     extent: f32,
-    pub warnings: Vec<Warning>,
 }
 
 impl Query {
@@ -102,7 +101,7 @@ impl Query {
             from_emitters,
             reflected,
             extent,
-            warnings: Vec::new(),
+           
             solvable,
         }
     }

@@ -136,7 +136,7 @@ impl Tracer<'_> {
                 || Counter::new(self.scene.columns()),
                 |counter, &chunk| {
                     let range = chunk * CHUNK..rows.min((chunk + 1) * CHUNK);
-                    if let Some(kept) = cache.chunk(chunk) {
+                    if let Some(kept) = cache.chunk(chunk).filter(|kept| kept.len() == range.len()) {
                         self.watcher.advance(range.len() as u64, 0);
                         return Ok(kept);
                     }

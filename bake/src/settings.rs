@@ -22,8 +22,10 @@ fn rays(quality: Quality) -> u32 {
     }
 }
 
-/// No patch is longer than this, whatever the scene's size [m].
+/// No patch is longer than this [m], unless the scene is so large that it would have more than [`LARGE`] times
+/// the patches that its quality aims at: a box of half a kilometre is a box drawn in other units.
 const LONGEST: f64 = 2.0;
+const LARGE: f64 = 8.0;
 /// Patches beyond which a length is refused rather than baked for days.
 const MOST_PATCHES: f64 = 2e6;
 
@@ -38,7 +40,9 @@ pub fn settle(
     let rays = settings.rays.or(project.bake.rays).unwrap_or(rays(quality));
     let explicit = settings.patch_length.or(project.bake.patch_length);
     let fixed = project.bake.base_length.get(&base_length_key(scene, quality)).copied();
-    let natural = (area / patches(quality)).sqrt().min(LONGEST).max(1e-6);
+    let length_for = |patches: f64| (area / patches).sqrt();
+    let aimed = patches(quality);
+    let natural = length_for(aimed).min(LONGEST).max(length_for(LARGE * aimed)).max(1e-6);
     let length = explicit.or(fixed).unwrap_or(natural);
     if !(length > 0.0 && length.is_finite()) || rays == 0 {
         return Err(BakeError::Other(format!(

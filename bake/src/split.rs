@@ -26,7 +26,6 @@ pub struct Fine {
 pub struct FineTriangle {
     pub corners: [u32; 3],
     pub batch: u32,
-    pub chart: u32,
     /// The side from corner k to k + 1 lies on a cut.
     pub cut: [bool; 3],
 }
@@ -159,7 +158,7 @@ fn as_it_is(surface: &Surface, chart: &Chart, id: u32) -> Fine {
         let first = fine.corners.len() as u32;
         fine.corners.extend(triangle.corners);
         let corners = [first, first + 1, first + 2];
-        fine.triangles.push(FineTriangle { corners, batch: triangle.batch, chart: id, cut: [false; 3] });
+        fine.triangles.push(FineTriangle { corners, batch: triangle.batch, cut: [false; 3] });
     }
     fine
 }
@@ -331,7 +330,7 @@ fn read_off(surface: &Surface, chart: &Chart, cdt: &Cdt, id: u32) -> Fine {
             let other = edge.rev().face();
             edge.is_constraint_edge() && !other.is_outer() && is_inside[other.index()]
         });
-        fine.triangles.push(FineTriangle { corners, batch, chart: id, cut });
+        fine.triangles.push(FineTriangle { corners, batch, cut });
     }
     fine
 }
