@@ -22,7 +22,7 @@ fn everything() -> String {
             "EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": places}}}}]);
     made.json["scenes"] = json!([{"nodes": [0], "extras": {"sky_radiance": [1, 2, 3]}}]);
     made.json["extensions"] = json!({"KHR_lights_punctual": {"lights": [{"type": "spot", "range": 3}]}});
-    made.json["cameras"] = json!([{"perspective": {"yfov": 0.8, "znear": 0.1}}]);
+    made.json["cameras"] = json!([{"type": "perspective", "perspective": {"yfov": 0.8, "znear": 0.1}}]);
     made.json["materials"] = json!([{"emissiveTexture": {"index": 0}, "alphaMode": "MASK"}]);
     made.json["textures"] = json!([{"source": 0}]);
     made.json["images"] = json!([{"bufferView": 0}]);
