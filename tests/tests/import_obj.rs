@@ -76,8 +76,8 @@ fn faces_with_and_without_normals_stand_side_by_side() {
 #[test]
 fn broken_obj_files_are_refused_by_line() {
     for (text, said) in [
-        ("v 0 0\n", "line 1: 3 numbers are needed"),
-        ("v 0 0 x\n", "`x` is no number"),
+        ("v 0 0\n", "line 1: position parse error: `v 0 0`"),
+        ("v 0 0 x\n", "line 1: position parse error: `v 0 0 x`"),
         ("v 0 0 0\nf 1 1 2\n", "line 2: `2` refers to a position that is not there: 1 are"),
         ("v 0 0 0\nf 1 1 0\n", "`0` refers to a position"),
         ("v 0 0 0\nf 1 1 -2\n", "`-2` refers to a position"),
