@@ -89,7 +89,8 @@ fn round_integers(value: &mut Value) {
         Value::Array(values) => values.iter_mut().for_each(round_integers),
         Value::Object(values) => values.values_mut().for_each(round_integers),
         Value::Number(number) => {
-            let whole = number.as_f64().filter(|x| x.fract() == 0.0 && (0.0..=MOST_INTEGER).contains(x));
+            let whole =
+                number.as_f64().filter(|x| x.fract() == 0.0 && x.is_sign_positive() && *x <= MOST_INTEGER);
             *number = whole.map_or_else(|| number.clone(), |x| (x as u64).into());
         }
         _ => {}

@@ -8,12 +8,12 @@
 
 use crate::scene::import::path::shortened;
 
-/// Before the file's own lines: the names of the materials (whatever file that is), and as the first texture
-/// coordinate and the first normal those of corners that have none.
-const NOTHING: &str = "mtllib .\nvt nan nan\nvn nan nan nan\n";
+/// Before the file's own lines: the names of the materials (whatever file that is), that of the object, and
+/// as the first texture coordinate and the first normal those of corners that have none.
+const NOTHING: &str = "mtllib .\no unnamed\nvt nan nan\nvn nan nan nan\n";
 
 /// The lines of [`NOTHING`].
-pub const LINES_BEFORE: usize = 3;
+pub const LINES_BEFORE: usize = 4;
 
 /// A file as tobj is to see it, line by line.
 #[derive(Default)]
@@ -79,7 +79,7 @@ fn statement(made: &mut Straightened, keyword: &str, rest: &str, has_colors: boo
             push(made, keyword, &corners?);
         }
         "f" | "l" | "p" => made.left_out += 1,
-        "o" | "g" => push(made, keyword, &[rest]),
+        "o" | "g" => push(made, keyword, &[if rest.is_empty() { "unnamed" } else { rest }]),
         "usemtl" if !rest.is_empty() => {
             if !made.materials.iter().any(|known| known == rest) {
                 made.materials.push(rest.to_owned());
