@@ -59,6 +59,11 @@ fn sparse_and_interleaved_arrays_are_unwound() {
     let mesh = made.mesh();
     assert_eq!(mesh.positions, [Vec3::ZERO, Vec3::X, Vec3::new(5., 5., 0.), Vec3::Y]);
     assert_eq!(mesh.normals, [Vec3::Z; 4]);
+    for wrong in [4, 255] {
+        *made.bytes.last_mut().unwrap() = wrong;
+        assert!(made.refusal().contains("accessor 0 has sparse places that do not ascend below 4"));
+    }
+    *made.bytes.last_mut().unwrap() = 2;
     // Without a buffer view an accessor is zeros, and no claim of a size is believed.
     made.json["accessors"][positions].as_object_mut().unwrap().remove("bufferView");
     assert_eq!(made.mesh().positions[1], Vec3::ZERO);
@@ -115,8 +120,9 @@ fn normalised_integers_become_numbers_from_0_to_1() {
     attributes["COLOR_0"] = json!(colors);
     made.draw(json!({"attributes": attributes, "mode": 6}));
     let mesh = made.mesh();
-    assert_eq!(mesh.uvs[0].as_ref().unwrap()[2..], [Vec2::ONE, Vec2::new(0.0, 0.2)]);
-    assert_eq!(mesh.colors.unwrap()[3], Vec4::new(0.0, 1.0, 0.2, 1.0));
+    let uvs = &mesh.uvs[0].as_ref().unwrap()[2..];
+    assert!(uvs[0] == Vec2::ONE && uvs[1].abs_diff_eq(Vec2::new(0.0, 0.2), 1e-7), "{uvs:?}");
+    assert!(mesh.colors.unwrap()[3].abs_diff_eq(Vec4::new(0.0, 1.0, 0.2, 1.0), 1e-7));
 }
 
 #[test]
@@ -135,7 +141,9 @@ fn primitives_are_joined_in_the_order_of_their_materials() {
     let (imported, assets, _) = made.read();
     let renderer = entity(&imported, "thing").mesh.as_ref().unwrap();
     assert_eq!(renderer.materials, [MaterialId(1), MaterialId(2)]);
-    assert_eq!(imported.scene.materials[2].name, "default");
+    let default = &imported.scene.materials[2];
+    assert_eq!((default.name.as_str(), default.metallic, default.roughness), ("default", 0.0, 1.0));
+    assert_eq!((default.albedo.color, imported.scene.materials[0].metallic), (Vec3::ONE, 1.0));
     assert!(imported.warnings[0].message.contains("1 primitives of points, lines"));
     let mesh = &assets.meshes[&renderer.mesh];
     assert_eq!(mesh.primitives.iter().map(|p| (p.first, p.count)).collect::<Vec<_>>(), [(0, 6), (6, 6)]);
@@ -161,18 +169,32 @@ fn bytes_that_are_not_there_are_refused_by_mesh_and_primitive() {
             "mesh 0 `made`: primitive 0: POSITION: accessor 0 needs more bytes",
         ),
         ("/accessors/1/count", json!(3), "primitive 0: has 3 normals for 4 positions"),
-        ("/accessors/0/type", json!("MAT4"), "MAT4"),
-        ("/accessors/0/componentType", json!(5130), "5130"),
-        ("/accessors/0/bufferView", json!(77), "buffer view 77"),
-        ("/accessors/2/componentType", json!(5126), "needs more bytes"),
+        ("/accessors/0/type", json!("MAT4"), "POSITION: accessor 0 holds Mat4 of F32"),
+        ("/accessors/0/componentType", json!(5123), "POSITION: accessor 0 holds Vec3 of U16"),
+        (
+            "/accessors/0/componentType",
+            json!(5130),
+            "a.gltf: is no valid glTF: accessors[0].componentType: Invalid",
+        ),
+        ("/accessors/0/bufferView", json!(77), "accessors[0].bufferView: Index out of bounds"),
+        ("/accessors/2/componentType", json!(5125), "needs more bytes"),
         ("/bufferViews/0/byteLength", huge.clone(), "leads beyond"),
         ("/bufferViews/0/byteOffset", huge, "leads beyond"),
-        ("/bufferViews/0/buffer", json!(3), "buffer 3"),
-        ("/meshes/0/primitives/0/indices", json!(9), "accessor 9"),
-        ("/meshes/0/primitives/0/material", json!(9), "material 9"),
-        ("/nodes/0/mesh", json!(9), "mesh 9"),
+        ("/bufferViews/0/buffer", json!(3), "bufferViews[0].buffer: Index out of bounds"),
+        ("/meshes/0/primitives/0/indices", json!(9), "meshes[0].primitives[0].indices: Index out of bounds"),
+        (
+            "/meshes/0/primitives/0/attributes/POSITION",
+            json!(9),
+            "attributes[\"POSITION\"]: Index out of bounds",
+        ),
+        (
+            "/meshes/0/primitives/0/material",
+            json!(9),
+            "meshes[0].primitives[0].material: Index out of bounds",
+        ),
+        ("/nodes/0/mesh", json!(9), "nodes[0].mesh: Index out of bounds"),
         ("/nodes/0", json!({"rotation": [0, 0, 0, 0], "name": "n"}), "n: its rotation"),
-        ("/nodes/0", json!({"children": [4]}), "node 4"),
+        ("/nodes/0", json!({"children": [4]}), "nodes[0].children[0]: Index out of bounds"),
     ] {
         let message = broken(path, value);
         assert!(message.contains(said), "`{message}` does not say `{said}`");

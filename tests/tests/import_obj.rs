@@ -76,8 +76,8 @@ fn faces_with_and_without_normals_stand_side_by_side() {
 #[test]
 fn broken_obj_files_are_refused_by_line() {
     for (text, said) in [
-        ("v 0 0\n", "line 1: 3 numbers are needed"),
-        ("v 0 0 x\n", "`x` is no number"),
+        ("v 0 0\n", "line 1: position parse error: `v 0 0`"),
+        ("v 0 0 x\n", "line 1: position parse error: `v 0 0 x`"),
         ("v 0 0 0\nf 1 1 2\n", "line 2: `2` refers to a position that is not there: 1 are"),
         ("v 0 0 0\nf 1 1 0\n", "`0` refers to a position"),
         ("v 0 0 0\nf 1 1 -2\n", "`-2` refers to a position"),
@@ -103,4 +103,26 @@ fn an_obj_without_triangles_is_an_empty_scene() {
     assert!(imported.scene.entities.is_empty());
     assert!(imported.warnings.iter().any(|warning| warning.message == "has no triangles"));
     assert!(imported.warnings.iter().any(|warning| warning.message.contains("gone.mtl is missing")));
+}
+
+#[test]
+fn one_bad_statement_of_a_library_costs_no_other() {
+    let obj = "  mtllib\tm.mtl\n  o  a b \n  v 0 0 0 # origin\nv 1 0 0 1\nv 0 1 0\nvt 1\nusemtl\tm\nf 1/1 2/1 3/1\n";
+    let mtl = "newmtl\nnewmtl m\nkd 0.5 0.5\nKd 0.5\nKa x\nillum 2.5\nKe 1 2 x\nd -halo 0.25\nPr none\nTr 0.1\nmap_Kd\n\
+        newmtl n\nKd 1 0 nan\n";
+    let folder = project(&[("a.obj", obj), ("m.mtl", mtl)]);
+    let imported = import(folder.path(), "a.obj").unwrap();
+    let [m] = &imported.scene.materials[..] else { panic!("{:?}", imported.scene.materials) };
+    assert_eq!((m.albedo.color, m.opacity, m.emission.sampled), (Vec3::splat(0.5), 0.25, false));
+    let warnings: Vec<String> = imported.warnings.iter().map(ToString::to_string).collect();
+    for said in [
+        "`m`: `Kd` material parse error: 0.5 0.5",
+        "`Ke` material",
+        "`Pr` is no number",
+        "`map_Kd`",
+        "`n`: `Kd`",
+    ] {
+        assert!(warnings.iter().any(|warning| warning.contains(said)), "{said}: {warnings:#?}");
+    }
+    assert_eq!((warnings.len(), shown(&folder, &imported.scene)[0].0.as_str()), (5, "a b"), "{warnings:#?}");
 }

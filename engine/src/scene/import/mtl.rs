@@ -1,17 +1,16 @@
-//! MTL, the materials of OBJ. Kd is the albedo, Ke the radiance; what cannot be read is a warning.
+//! MTL, the materials of OBJ, by the crate tobj. Kd is the albedo, Ke the radiance; what cannot be read is a
+//! warning.
 
 use glam::{Vec2, Vec3};
 
 use crate::scene::material::Wrap;
-use crate::scene::{Albedo, Alpha, ImageSource, Material, Texture};
+use crate::scene::{Albedo, Alpha, Emission, ImageSource, Material, Texture};
 
 /// A material as the library has it: the pictures' paths are as written.
 pub struct Authored {
     pub material: Material,
     /// Why something is not as the library says.
     pub lost: Vec<String>,
-    /// map_d where it is not the albedo's picture.
-    alpha_map: Option<String>,
 }
 
 /// What has no Kd is light grey, as most programs show it: white would keep the light of a closed room for
@@ -21,79 +20,139 @@ pub fn unpainted(name: &str) -> Material {
     Material { name: name.to_owned(), albedo, ..Material::default() }
 }
 
+/// The statements that are read, as tobj writes their names.
+const READ: &[&str] = &[
+    "newmtl", "Kd", "Ke", "d", "Tr", "Pm", "Pr", "map_Kd", "map_Ke", "norm", "map_d", "map_Bump", "bump",
+    "map_Pr", "map_Pm",
+];
+
 /// The materials of a library, in its order. `locate` turns a path as written into one of the project.
 pub fn materials(text: &str, locate: impl Fn(&str) -> Result<String, String>) -> Vec<Authored> {
-    let mut materials: Vec<Authored> = Vec::new();
+    let (text, lost) = straightened(text);
+    let authored = tobj::load_mtl_buf(&mut text.as_bytes()).map_or_else(|_| Vec::new(), |(found, _)| found);
+    authored.into_iter().zip(lost).map(|(found, lost)| material(found, lost, &locate)).collect()
+}
+
+/// tobj refuses a library for one statement: here each one is tried alone. Also why those of each material
+/// were left out.
+fn straightened(text: &str) -> (String, Vec<Vec<String>>) {
+    let mut kept = String::new();
+    let mut lost: Vec<Vec<String>> = Vec::new();
     for line in text.lines().map(str::trim) {
-        let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
-        let rest = rest.trim();
-        if keyword == "newmtl" {
-            materials.push(Authored { material: unpainted(rest), lost: Vec::new(), alpha_map: None });
-        } else if let Some(authored) = materials.last_mut()
-            && let Err(message) = statement(authored, &keyword.to_ascii_lowercase(), rest, &locate)
-        {
-            authored.lost.push(format!("`{keyword}` {message}"));
+        let (written, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+        let Some(keyword) = READ.iter().find(|keyword| keyword.eq_ignore_ascii_case(written)) else {
+            continue;
+        };
+        let line = format!("{keyword} {}\n", operands(keyword, rest.trim()));
+        match tried(keyword, &line) {
+            Ok(()) if *keyword == "newmtl" => lost.push(Vec::new()),
+            Ok(()) if lost.is_empty() => continue,
+            Ok(()) => {}
+            Err(error) => {
+                lost.last_mut()
+                    .into_iter()
+                    .for_each(|lost| lost.push(format!("`{keyword}` {error}: {rest}")));
+                continue;
+            }
         }
+        kept.push_str(&line);
     }
-    materials.iter_mut().for_each(finish);
-    materials
+    (kept, lost)
 }
 
-fn statement(
-    authored: &mut Authored,
-    keyword: &str,
-    rest: &str,
-    locate: &impl Fn(&str) -> Result<String, String>,
-) -> Result<(), String> {
-    let material = &mut authored.material;
+/// One number stands for all three of a colour.
+fn operands(keyword: &str, rest: &str) -> String {
+    let is_grey = keyword.starts_with('K') && !rest.is_empty() && !rest.contains(char::is_whitespace);
     match keyword {
-        "kd" => material.albedo.color = color(rest)?,
-        "ke" => material.emission.color = color(rest)?,
-        "d" => material.opacity = number(rest.trim_start_matches("-halo"))?.clamp(0.0, 1.0),
-        "tr" if material.opacity == 1.0 => material.opacity = 1.0 - number(rest)?.clamp(0.0, 1.0),
-        "pm" => material.metallic = number(rest)?.clamp(0.0, 1.0),
-        "pr" => material.roughness = number(rest)?.clamp(0.0, 1.0),
-        "map_kd" => material.albedo.texture = Some(texture(rest, locate)?),
-        "map_ke" => material.emission.texture = Some(texture(rest, locate)?),
-        "norm" => material.normal_texture = Some(texture(rest, locate)?),
-        "map_d" => authored.alpha_map = Some(texture(rest, locate)?.image.file),
-        "map_bump" | "bump" | "map_pr" | "map_pm" => return Err("is not read".to_owned()),
-        _ => {}
-    }
-    Ok(())
-}
-
-fn finish(authored: &mut Authored) {
-    let material = &mut authored.material;
-    if material.emission.texture.is_some() && material.emission.color == Vec3::ZERO {
-        material.emission.color = Vec3::ONE;
-    }
-    material.emission.sampled = material.emission.color != Vec3::ZERO;
-    if material.opacity < 1.0 {
-        material.alpha = Alpha::Blend;
-    }
-    let Some(map) = authored.alpha_map.take() else { return };
-    if material.albedo.texture.as_ref().is_some_and(|texture| texture.image.file == map) {
-        material.alpha = Alpha::Mask { cutoff: 0.5 };
-    } else {
-        authored.lost.push(format!("`map_d` {map} is not read: put its alpha into the picture of `map_Kd`"));
+        _ if is_grey => [rest; 3].join(" "),
+        "d" => rest.trim_start_matches("-halo").to_owned(),
+        _ => rest.to_owned(),
     }
 }
 
-/// One number stands for all three.
-fn color(text: &str) -> Result<Vec3, String> {
-    let values: Vec<f32> = text.split_whitespace().take(3).map_while(|word| word.parse().ok()).collect();
-    let color = match values[..] {
-        [r, g, b] => Vec3::new(r, g, b),
-        [grey] => Vec3::splat(grey),
-        _ => return Err(format!("is no colour: {text}")),
+fn tried(keyword: &str, line: &str) -> Result<(), tobj::LoadError> {
+    // tobj panics at fewer than three numbers.
+    if keyword.starts_with('K') && line.split_whitespace().count() < 4 {
+        return Err(tobj::LoadError::MaterialParseError);
+    }
+    tobj::load_mtl_buf(&mut line.as_bytes()).map(drop)
+}
+
+fn material(
+    found: tobj::Material,
+    mut lost: Vec<String>,
+    locate: &impl Fn(&str) -> Result<String, String>,
+) -> Authored {
+    let grey = unpainted(&found.name);
+    let other = |keyword: &str| found.unknown_param.get(keyword).map(String::as_str);
+    for keyword in ["map_Pr", "map_Pm"].into_iter().filter(|keyword| other(keyword).is_some()) {
+        lost.push(format!("`{keyword}` is not read"));
+    }
+    if found.normal_texture.is_some() {
+        lost.push("`bump` is not read".to_owned());
+    }
+    let mut read = Lost(&mut lost);
+    let albedo = Albedo {
+        color: read.color("Kd", found.diffuse).unwrap_or(grey.albedo.color),
+        texture: read.texture("map_Kd", found.diffuse_texture.as_deref(), locate),
+        ..grey.albedo
     };
-    if color.is_finite() { Ok(color) } else { Err(format!("is not finite: {text}")) }
+    let glow = read.texture("map_Ke", other("map_Ke"), locate);
+    let unlit = if glow.is_some() { Vec3::ONE } else { Vec3::ZERO };
+    let color = read.color("Ke", found.emissive).filter(|&color| color != Vec3::ZERO).unwrap_or(unlit);
+    let opaque = 1.0 - read.fraction("Tr", other("Tr")).unwrap_or(0.0);
+    let opacity = found.dissolve.filter(|&d| d < 1.0).map_or(opaque, |d| d.max(0.0));
+    let alpha_map = read.texture("map_d", found.dissolve_texture.as_deref(), locate);
+    let mut material = Material {
+        emission: Emission { color, texture: glow, sampled: color != Vec3::ZERO, ..grey.emission },
+        metallic: read.fraction("Pm", other("Pm")).unwrap_or(grey.metallic),
+        roughness: read.fraction("Pr", other("Pr")).unwrap_or(grey.roughness),
+        normal_texture: read.texture("norm", other("norm"), locate),
+        alpha: if opacity < 1.0 { Alpha::Blend } else { Alpha::Opaque },
+        opacity,
+        albedo,
+        ..grey
+    };
+    let picture = material.albedo.texture.as_ref().map(|texture| &texture.image.file);
+    match alpha_map.map(|texture| texture.image.file) {
+        Some(map) if picture == Some(&map) => material.alpha = Alpha::Mask { cutoff: 0.5 },
+        Some(map) => {
+            lost.push(format!("`map_d` {map} is not read: put its alpha into the picture of `map_Kd`"));
+        }
+        None => {}
+    }
+    Authored { material, lost }
 }
 
-fn number(text: &str) -> Result<f32, String> {
-    let value = text.split_whitespace().next().and_then(|word| word.parse().ok());
-    value.filter(|value: &f32| value.is_finite()).ok_or_else(|| format!("is no number: {text}"))
+/// Reads operands, or says why not.
+struct Lost<'a>(&'a mut Vec<String>);
+
+impl Lost<'_> {
+    fn unless<T>(&mut self, keyword: &str, read: Result<T, String>) -> Option<T> {
+        read.map_err(|message| self.0.push(format!("`{keyword}` {message}"))).ok()
+    }
+
+    fn color(&mut self, keyword: &str, found: Option<[f32; 3]>) -> Option<Vec3> {
+        let color = Vec3::from(found?);
+        let finite = color.is_finite().then_some(color);
+        self.unless(keyword, finite.ok_or_else(|| format!("is not finite: {color}")))
+    }
+
+    fn fraction(&mut self, keyword: &str, text: Option<&str>) -> Option<f32> {
+        let text = text?;
+        let value = text.split_whitespace().next().and_then(|word| word.parse::<f32>().ok());
+        let finite = value.filter(|value| value.is_finite()).map(|value| value.clamp(0.0, 1.0));
+        self.unless(keyword, finite.ok_or_else(|| format!("is no number: {text}")))
+    }
+
+    fn texture(
+        &mut self,
+        keyword: &str,
+        text: Option<&str>,
+        locate: &impl Fn(&str) -> Result<String, String>,
+    ) -> Option<Texture> {
+        self.unless(keyword, texture(text?, locate))
+    }
 }
 
 /// Options, then a path that may hold blanks. OBJ's v goes up, a picture's rows go down.

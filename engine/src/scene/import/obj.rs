@@ -1,16 +1,16 @@
-//! Wavefront OBJ: polygons by objects and materials.
+//! Wavefront OBJ by the crate tobj, which sees a straightened text ([`text`]).
 //!
 //! An object is what follows an `o` or a `g`; in it, each material's polygons make one primitive. Vertex
 //! colours and MTL colours count as linear. Free-form curves, points and lines are left out.
 
-mod parse;
+mod text;
 
 use std::collections::HashMap;
 use std::path::Path;
 
 use glam::{Vec2, Vec3, Vec4};
 
-use super::path::beside;
+use super::path::{beside, shortened};
 use super::polygon::triangulated;
 use super::triangles::{Part, joined};
 use super::{existing, mtl};
@@ -19,17 +19,10 @@ use crate::scene::{
     Warning,
 };
 
-pub use parse::open;
-
-/// A file's polygons, as indices into its arrays.
+/// A file's polygons.
 pub struct Obj {
     /// Relative to the project.
     pub file: String,
-    positions: Vec<Vec3>,
-    /// As long as `positions`, or empty.
-    colors: Vec<Vec4>,
-    uvs: Vec<Vec2>,
-    normals: Vec<Vec3>,
     objects: Vec<Object>,
     /// As `usemtl` names them, in the order of first use.
     materials: Vec<String>,
@@ -46,26 +39,70 @@ struct Object {
     runs: Vec<Run>,
 }
 
-/// Polygons of one material. A polygon's corners end where the next one's begin.
+/// Polygons of one material.
 struct Run {
     material: Option<usize>,
-    corners: Vec<Corner>,
-    ends: Vec<usize>,
+    meshes: Vec<tobj::Mesh>,
 }
 
-/// Places in the file's arrays.
-#[derive(Clone, Copy, PartialEq, Eq, Hash)]
-struct Corner {
-    position: usize,
-    uv: Option<usize>,
-    normal: Option<usize>,
+/// Polygons as they are: concave ones are divided here.
+const OPTIONS: tobj::LoadOptions =
+    tobj::LoadOptions { single_index: false, triangulate: false, ignore_points: true, ignore_lines: true };
+
+/// Parses a file. Errors name the line.
+pub fn open(file: &str, bytes: &[u8]) -> Result<Obj, String> {
+    let text::Straightened { text, materials, libraries, left_out, lacking, .. } =
+        text::straightened(utf8(bytes)?)?;
+    let mut rest = text.as_bytes();
+    let (models, _) = tobj::load_obj_buf(&mut rest, &OPTIONS, |_| Ok(names(&materials)))
+        .map_err(|error| at_line(&text[..text.len() - rest.len()], error))?;
+    let file = file.to_owned();
+    Ok(Obj { file, objects: objects(models), materials, libraries, left_out, lacking })
+}
+
+fn utf8(bytes: &[u8]) -> Result<&str, String> {
+    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
+        return Err("is UTF-16 text: save it as UTF-8".to_owned());
+    }
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    std::str::from_utf8(bytes)
+        .map_err(|error| format!("is not UTF-8 text (byte {}): save it as UTF-8", error.valid_up_to()))
+}
+
+/// A library of names alone: what the libraries say is read with the scene.
+fn names(materials: &[String]) -> (Vec<tobj::Material>, HashMap<String, usize>) {
+    let named = |name: &String| tobj::Material { name: name.clone(), ..tobj::Material::default() };
+    let places = materials.iter().cloned().zip(0..).collect();
+    (materials.iter().map(named).collect(), places)
+}
+
+/// `read` ends with the line in which the error is.
+fn at_line(read: &str, error: tobj::LoadError) -> String {
+    let line = read.lines().count() - text::LINES_BEFORE;
+    format!("line {line}: {error}: `{}`", shortened(read.lines().last().unwrap_or_default().trim()))
+}
+
+/// tobj begins a model at each `o`, `g` and `usemtl`.
+fn objects(models: Vec<tobj::Model>) -> Vec<Object> {
+    let mut objects: Vec<Object> = Vec::new();
+    for tobj::Model { name, mesh } in models.into_iter().filter(|model| !model.mesh.indices.is_empty()) {
+        if objects.last().is_none_or(|object| object.name != name) {
+            objects.push(Object { name, runs: Vec::new() });
+        }
+        let Some(Object { runs, .. }) = objects.last_mut() else { continue };
+        match runs.iter_mut().find(|run| run.material == mesh.material_id) {
+            Some(run) => run.meshes.push(mesh),
+            None => runs.push(Run { material: mesh.material_id, meshes: vec![mesh] }),
+        }
+    }
+    objects
 }
 
 /// The n-th object.
 pub fn mesh(obj: &Obj, index: usize) -> Result<(Mesh, Vec<Warning>), String> {
     let object = obj.objects.get(index);
     let object = object.ok_or_else(|| format!("has no object {index}: there are {}", obj.objects.len()))?;
-    let parts = object.runs.iter().map(|run| Ok(part(obj, run))).enumerate();
+    let parts = object.runs.iter().map(|run| Ok(part(run))).enumerate();
     let named = |message: String| format!("object {index} `{}`: {message}", object.name);
     let (mesh, dropped) = joined(parts).map_err(named)?;
     let mut warnings = Vec::new();
@@ -183,39 +220,67 @@ fn picture(project: &Path, obj: &Obj, library: &str, written: &str) -> Result<St
     found.map_or_else(|| beside(library, written), Ok)
 }
 
-fn part(obj: &Obj, run: &Run) -> Part {
-    let has = |given: fn(&Corner) -> bool| run.corners.iter().any(given);
-    let (has_uvs, has_normals) = (has(|corner| corner.uv.is_some()), has(|corner| corner.normal.is_some()));
-    let mut vertices: Vec<Corner> = Vec::new();
-    let mut vertex_of: HashMap<(Corner, usize), u32> = HashMap::new();
+fn part(run: &Run) -> Part {
+    let has_uvs = run.meshes.iter().any(|mesh| !mesh.texcoords.iter().all(|uv| uv.is_nan()));
+    let has_normals = run.meshes.iter().any(|mesh| !mesh.normals.iter().all(|normal| normal.is_nan()));
+    let mut vertices: Vec<Vertex> = Vec::new();
     let mut indices = Vec::new();
-    let mut start = 0;
-    for (n, &end) in run.ends.iter().enumerate() {
-        let corners = &run.corners[start..end];
-        let points: Vec<Vec3> = corners.iter().map(|corner| obj.positions[corner.position]).collect();
-        for at in triangulated(&points).into_iter().flatten() {
-            // A face without normals among faces that have them is flat: it shares no vertices.
-            let own = if has_normals && corners[at].normal.is_none() { n + 1 } else { 0 };
-            indices.push(*vertex_of.entry((corners[at], own)).or_insert_with(|| {
-                vertices.push(corners[at]);
-                vertices.len() as u32 - 1
-            }));
+    for mesh in &run.meshes {
+        let mut vertex_of: HashMap<([u32; 3], usize), u32> = HashMap::new();
+        let mut start = 0;
+        for (n, arity) in arities(mesh).enumerate() {
+            let corners = start..start + arity;
+            let points: Vec<Vec3> =
+                mesh.indices[corners].iter().map(|&at| vec3(&mesh.positions, at)).collect();
+            for at in triangulated(&points).into_iter().flatten().map(|at| start + at) {
+                let places = [mesh.indices[at], mesh.texcoord_indices[at], mesh.normal_indices[at]];
+                let vertex = vertex(mesh, places);
+                // A face without normals among faces that have them is flat: it shares no vertices.
+                let own = if has_normals && vertex.normal.is_nan() { n + 1 } else { 0 };
+                indices.push(*vertex_of.entry((places, own)).or_insert_with(|| {
+                    vertices.push(vertex);
+                    vertices.len() as u32 - 1
+                }));
+            }
+            start += arity;
         }
-        start = end;
     }
-    let uv = |corner: &Corner| corner.uv.map_or(Vec2::ZERO, |at| obj.uvs[at]);
-    let normal = |corner: &Corner| corner.normal.map_or(Vec3::ZERO, |at| obj.normals[at]);
+    let colors = vertices.iter().map(|vertex| vertex.color).collect::<Option<Vec<_>>>();
     Part {
-        positions: vertices.iter().map(|corner| obj.positions[corner.position]).collect(),
-        normals: has_normals.then(|| vertices.iter().map(normal).collect()),
+        positions: vertices.iter().map(|vertex| vertex.position).collect(),
+        normals: has_normals.then(|| vertices.iter().map(|vertex| vertex.normal).collect()),
         tangents: None,
-        uvs: [has_uvs.then(|| vertices.iter().map(uv).collect()), None],
-        colors: color_of(obj, &vertices),
+        uvs: [has_uvs.then(|| vertices.iter().map(|vertex| vertex.uv).collect()), None],
+        colors: colors.filter(|colors| !colors.is_empty()),
         indices,
     }
 }
 
-/// A file may colour only its later vertices: `colors` is then as long as `positions` all the same.
-fn color_of(obj: &Obj, vertices: &[Corner]) -> Option<Vec<Vec4>> {
-    (!obj.colors.is_empty()).then(|| vertices.iter().map(|corner| obj.colors[corner.position]).collect())
+/// Of each polygon; tobj leaves them out where all are triangles.
+fn arities(mesh: &tobj::Mesh) -> impl Iterator<Item = usize> {
+    let triangles = if mesh.face_arities.is_empty() { mesh.indices.len() / 3 } else { 0 };
+    mesh.face_arities.iter().map(|&arity| arity as usize).chain(std::iter::repeat_n(3, triangles))
+}
+
+/// The uv and the normal are NaN where the file has none.
+#[derive(Clone, Copy)]
+struct Vertex {
+    position: Vec3,
+    uv: Vec2,
+    normal: Vec3,
+    color: Option<Vec4>,
+}
+
+fn vertex(mesh: &tobj::Mesh, [position, uv, normal]: [u32; 3]) -> Vertex {
+    let [u, v] = [0, 1].map(|axis| mesh.texcoords[2 * uv as usize + axis]);
+    Vertex {
+        position: vec3(&mesh.positions, position),
+        uv: Vec2::new(u, 1.0 - v), // OBJ's v goes up, a picture's rows go down
+        normal: vec3(&mesh.normals, normal),
+        color: (!mesh.vertex_color.is_empty()).then(|| vec3(&mesh.vertex_color, position).extend(1.0)),
+    }
+}
+
+fn vec3(values: &[f32], at: u32) -> Vec3 {
+    Vec3::from_slice(&values[3 * at as usize..])
 }

@@ -1,5 +1,11 @@
 //! What a file refers to: URIs, data inside URIs, and paths that stay inside the project.
 
+use std::borrow::Cow;
+
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+use base64::{Engine, alphabet};
+use percent_encoding::percent_decode_str;
+
 /// What a URI stands for.
 pub enum Reference {
     /// Bytes inside the URI itself.
@@ -57,23 +63,7 @@ pub fn seen_from(file: &str, to: &str) -> String {
 
 /// Escapes that are none stay as they are, as do those that would make no UTF-8.
 pub fn percent_decoded(uri: &str) -> String {
-    String::from_utf8(percent_decoded_bytes(uri.as_bytes())).unwrap_or_else(|_| uri.to_owned())
-}
-
-fn percent_decoded_bytes(uri: &[u8]) -> Vec<u8> {
-    let mut decoded = Vec::with_capacity(uri.len());
-    let mut at = 0;
-    while at < uri.len() {
-        let escape = uri.get(at + 1..at + 3).filter(|_| uri[at] == b'%').and_then(hex);
-        decoded.push(escape.unwrap_or(uri[at]));
-        at += if escape.is_some() { 3 } else { 1 };
-    }
-    decoded
-}
-
-fn hex(digits: &[u8]) -> Option<u8> {
-    let [high, low] = [char::from(digits[0]).to_digit(16)?, char::from(digits[1]).to_digit(16)?];
-    Some((high * 16 + low) as u8)
+    percent_decode_str(uri).decode_utf8().map_or_else(|_| uri.to_owned(), Cow::into_owned)
 }
 
 fn strip_scheme<'a>(uri: &'a str, scheme: &str) -> Option<&'a str> {
@@ -87,32 +77,25 @@ fn data_of(data: &str) -> Result<Vec<u8>, String> {
     if head.to_ascii_lowercase().ends_with(";base64") {
         base64_decoded(body).ok_or_else(|| "holds a data URI whose base64 is broken".to_owned())
     } else {
-        Ok(percent_decoded_bytes(body.as_bytes()))
+        Ok(percent_decode_str(body).collect())
     }
 }
 
-/// RFC 4648, both alphabets; blanks are skipped and padding may be missing.
+/// Either alphabet; blanks are skipped and padding may be missing.
 fn base64_decoded(text: &str) -> Option<Vec<u8>> {
-    let mut bytes = Vec::with_capacity(text.len() / 4 * 3);
-    let (mut bits, mut held) = (0_u32, 0);
-    for &c in text.trim_end_matches(['=', ' ', '\n', '\r', '\t']).as_bytes() {
-        let digit = match c {
-            b'A'..=b'Z' => c - b'A',
-            b'a'..=b'z' => c - b'a' + 26,
-            b'0'..=b'9' => c - b'0' + 52,
-            b'+' | b'-' => 62,
-            b'/' | b'_' => 63,
-            b' ' | b'\n' | b'\r' | b'\t' => continue,
-            _ => return None,
-        };
-        bits = bits << 6 | u32::from(digit);
-        held += 6;
-        if held >= 8 {
-            held -= 8;
-            bytes.push((bits >> held) as u8);
-        }
-    }
-    Some(bytes)
+    const LENIENT: GeneralPurpose = GeneralPurpose::new(
+        &alphabet::STANDARD,
+        GeneralPurposeConfig::new()
+            .with_decode_padding_mode(DecodePaddingMode::Indifferent)
+            .with_decode_allow_trailing_bits(true),
+    );
+    let standard = |c: u8| match c {
+        b'-' => b'+',
+        b'_' => b'/',
+        _ => c,
+    };
+    let digits: Vec<u8> = text.bytes().filter(|c| !c.is_ascii_whitespace()).map(standard).collect();
+    LENIENT.decode(digits).ok()
 }
 
 /// Short enough for a message.

@@ -4,10 +4,14 @@ use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use glam::{DMat4, DQuat, DVec3, Vec3};
+use gltf::accessor::{DataType, Iter};
+use gltf::animation::util::Rotations;
+use gltf::{Accessor, Document, Mesh, Node, Primitive};
+use serde_json::Value;
 
-use super::json::{self, Node, Root, extension, get};
+use super::accessor::{ROTATIONS, VECTORS, bytes_of, read};
 use super::mesh::{makes_triangles, mesh_name};
-use super::{Gltf, accessor, animation, lights, lost_extensions, material, matrix};
+use super::{Gltf, Placement, animation, check, find, lights, material, matrix};
 use crate::scene::{
     Density, Entity, EntityId, MaterialId, MeshRenderer, MeshSource, Motion, Reflection, Scene, Transform,
     Warning,
@@ -18,27 +22,29 @@ pub fn scene(project: &Path, gltf: &Gltf) -> Result<(Scene, Vec<Warning>), Strin
     let mut warnings = Vec::new();
     let mut materials = material::materials(project, gltf, &mut warnings)?;
     let mut made = Made::new(gltf, warnings);
-    if gltf.root.nodes.is_empty() {
-        made.meshes()?;
+    if gltf.placements.is_empty() {
+        made.meshes();
     } else {
-        made.nodes(roots(&gltf.root)?)?;
+        made.nodes(roots(&gltf.document))?;
     }
     if made.default_is_used {
         materials.push(material::default_material(default_id(gltf)));
     }
     made.warn_of_what_is_lost();
     let mut lost = Vec::new();
-    let sky = lights::sky(&gltf.root, &mut lost);
+    let sky = lights::sky(&gltf.document, &mut lost);
     lost.into_iter().for_each(|message| made.warn(message));
     Ok((Scene { sky, materials, entities: made.entities }, made.warnings))
 }
+
+pub const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 
 /// A few bytes can ask for any number of instances.
 const MOST_ENTITIES: usize = 1 << 20;
 
 /// A node that is about to become an entity.
-struct Pending {
-    node: usize,
+struct Pending<'a> {
+    node: Node<'a>,
     parent: Option<EntityId>,
 }
 
@@ -56,13 +62,13 @@ struct Made<'a> {
 
 impl<'a> Made<'a> {
     fn new(gltf: &'a Gltf, warnings: Vec<Warning>) -> Self {
-        let animation_of_node = animation::animation_of_node(&gltf.root);
+        let animation_of_node = animation::animation_of_node(&gltf.document);
         Self {
             gltf,
-            moving: animation::moving_nodes(&gltf.root, animation_of_node.keys().copied()),
+            moving: animation::moving_nodes(&gltf.document, animation_of_node.keys().copied()),
             animation_of_node,
             entities: Vec::new(),
-            next_id: gltf.root.nodes.len() as u64 + 1,
+            next_id: gltf.placements.len() as u64 + 1,
             default_is_used: false,
             warnings,
         }
@@ -72,32 +78,33 @@ impl<'a> Made<'a> {
         self.warnings.push(Warning::new(&self.gltf.file, message));
     }
 
-    fn nodes(&mut self, roots: Vec<usize>) -> Result<(), String> {
+    fn nodes(&mut self, roots: Vec<Node<'a>>) -> Result<(), String> {
         let mut stack: Vec<Pending> =
             roots.into_iter().rev().map(|node| Pending { node, parent: None }).collect();
         let mut seen = HashSet::new();
         while let Some(next) = stack.pop() {
-            if !seen.insert(next.node) {
-                self.warn(format!("node {} stands in more than one place; the first is taken", next.node));
+            let (node, index) = (&next.node, next.node.index());
+            if !seen.insert(index) {
+                self.warn(format!("node {index} stands in more than one place; the first is taken"));
                 continue;
             }
-            let node = get(&self.gltf.root.nodes, next.node, "node")?;
-            let id = self.node(&next).map_err(|message| format!("{}: {message}", name(node, next.node)))?;
-            stack.extend(node.children.iter().rev().map(|&child| Pending { node: child, parent: Some(id) }));
+            let id = self.node(&next).map_err(|message| format!("{}: {message}", name(node)))?;
+            let children: Vec<Node> = node.children().collect();
+            stack.extend(children.into_iter().rev().map(|node| Pending { node, parent: Some(id) }));
         }
         Ok(())
     }
 
     /// The entity that the node's children belong to.
-    fn node(&mut self, pending: &Pending) -> Result<EntityId, String> {
-        let node = &self.gltf.root.nodes[pending.node];
-        let (transform, before) = transform(node)?;
+    fn node(&mut self, pending: &Pending<'a>) -> Result<EntityId, String> {
+        let (node, index) = (&pending.node, pending.node.index());
+        let (transform, before) = transform(&self.gltf.placements[index])?;
         let mut entity = Entity {
-            id: EntityId(pending.node as u64 + 1),
-            name: name(node, pending.node),
+            id: EntityId(index as u64 + 1),
+            name: name(node),
             parent: pending.parent,
             transform,
-            motion: self.motion(pending.node),
+            motion: self.motion(index),
             ..Entity::default()
         };
         if let Some(rotation) = before {
@@ -107,16 +114,15 @@ impl<'a> Made<'a> {
             self.entities.push(std::mem::replace(&mut entity, inner));
         }
         let mut lost = Vec::new();
-        entity.light = lights::light(self.gltf, node, &mut lost)?;
-        entity.camera = lights::camera(self.gltf, node, &mut lost)?;
+        entity.light = lights::light(self.gltf, node, &mut lost);
+        entity.camera = lights::camera(self.gltf, node, &mut lost);
         lost.into_iter().for_each(|message| self.warn(message));
         let id = entity.id;
-        let mesh = node.mesh.map(|mesh| self.renderer(mesh)).transpose()?.flatten();
-        let is_static = !self.moving.contains(&pending.node) && !self.skin_moves(node)?;
-        let instances: Option<json::Instancing> = extension(&node.extensions, "EXT_mesh_gpu_instancing")?;
-        match (mesh, instances) {
-            (Some(mesh), Some(instances)) => {
-                let instances = self.instances(&entity, &instances, mesh, is_static)?;
+        let mesh = node.mesh().and_then(|mesh| self.renderer(&mesh));
+        let is_static = !self.moving.contains(&index) && !self.skin_moves(node);
+        match (mesh, node.extension_value(INSTANCING)) {
+            (Some(mesh), Some(instancing)) => {
+                let instances = self.instances(&entity, instancing, mesh, is_static)?;
                 self.entities.push(entity);
                 self.entities.extend(instances);
             }
@@ -141,55 +147,42 @@ impl<'a> Made<'a> {
     }
 
     /// A file without nodes: its meshes, at the origin.
-    fn meshes(&mut self) -> Result<(), String> {
-        for n in 0..self.gltf.root.meshes.len() {
-            let Some(renderer) = self.renderer(n)? else { continue };
-            let name = self.gltf.root.meshes[n].name.clone().unwrap_or_else(|| format!("mesh {n}"));
-            let id = EntityId(n as u64 + 1);
-            self.entities.push(Entity {
-                id,
-                name,
-                is_static: true,
-                mesh: Some(renderer),
-                ..Entity::default()
-            });
+    fn meshes(&mut self) {
+        for mesh in self.gltf.document.meshes() {
+            let Some(renderer) = self.renderer(&mesh) else { continue };
+            let name = mesh.name().map_or_else(|| format!("mesh {}", mesh.index()), str::to_owned);
+            let id = EntityId(mesh.index() as u64 + 1);
+            let mesh = Some(renderer);
+            self.entities.push(Entity { id, name, is_static: true, mesh, ..Entity::default() });
         }
-        Ok(())
     }
 
     /// `None` for a mesh of points and lines alone.
-    fn renderer(&mut self, mesh: usize) -> Result<Option<MeshRenderer>, String> {
-        let authored = get(&self.gltf.root.meshes, mesh, "mesh")?;
-        let drawn: Vec<_> =
-            authored.primitives.iter().filter(|primitive| makes_triangles(primitive)).collect();
-        let mut materials = Vec::with_capacity(drawn.len());
-        for primitive in &drawn {
-            let material = primitive.material.unwrap_or(self.gltf.root.materials.len());
-            self.default_is_used |= primitive.material.is_none();
-            if primitive.material.is_some() {
-                get(&self.gltf.root.materials, material, "material")?;
-            }
-            materials.push(MaterialId(material as u32));
-        }
-        if drawn.len() < authored.primitives.len() {
-            let left_out = authored.primitives.len() - drawn.len();
+    fn renderer(&mut self, mesh: &Mesh) -> Option<MeshRenderer> {
+        let (drawn, left_out): (Vec<Primitive>, Vec<Primitive>) =
+            mesh.primitives().partition(makes_triangles);
+        let material = |primitive: &Primitive| match primitive.material().index() {
+            Some(index) => MaterialId(index as u32),
+            None => default_id(self.gltf),
+        };
+        let materials: Vec<MaterialId> = drawn.iter().map(material).collect();
+        self.default_is_used |= materials.contains(&default_id(self.gltf));
+        if !left_out.is_empty() {
             self.warn(format!(
-                "{}: {left_out} primitives of points, lines or no positions were left out",
-                mesh_name(self.gltf, mesh)
+                "{}: {} primitives of points, lines or no positions were left out",
+                mesh_name(mesh),
+                left_out.len()
             ));
         }
-        if drawn.is_empty() {
-            return Ok(None);
-        }
-        let source = MeshSource::File { file: self.gltf.file.clone(), mesh: mesh as u32 };
-        Ok(Some(renderer(source, materials)))
+        let source = MeshSource::File { file: self.gltf.file.clone(), mesh: mesh.index() as u32 };
+        (!drawn.is_empty()).then(|| renderer(source, materials))
     }
 
     /// EXT_mesh_gpu_instancing: one child for each instance.
     fn instances(
         &mut self,
         parent: &Entity,
-        instancing: &json::Instancing,
+        instancing: &Value,
         mesh: MeshRenderer,
         is_static: bool,
     ) -> Result<Vec<Entity>, String> {
@@ -206,28 +199,25 @@ impl<'a> Made<'a> {
     }
 
     /// Whether a joint of the node's skin moves: then the skinned mesh is no part of the static scene.
-    fn skin_moves(&self, node: &Node) -> Result<bool, String> {
-        let Some(skin) = node.skin else { return Ok(false) };
-        let skin = get(&self.gltf.root.skins, skin, "skin")?;
-        Ok(skin.joints.iter().any(|joint| self.moving.contains(joint)))
+    fn skin_moves(&self, node: &Node) -> bool {
+        node.skin().is_some_and(|skin| skin.joints().any(|joint| self.moving.contains(&joint.index())))
     }
 
     fn warn_of_what_is_lost(&mut self) {
-        lost_extensions(self.gltf).into_iter().for_each(|message| self.warn(message));
-        if self.gltf.root.nodes.iter().any(|node| node.skin.is_some() && node.mesh.is_some()) {
+        let document = &self.gltf.document;
+        check::lost_extensions(self.gltf).into_iter().for_each(|message| self.warn(message));
+        if document.nodes().any(|node| node.skin().is_some() && node.mesh().is_some()) {
             self.warn("has skinned meshes: they are shown as modelled, without their bones".to_owned());
         }
-        let primitives = self.gltf.root.meshes.iter().flat_map(|mesh| &mesh.primitives);
-        if animation::morphs(&self.gltf.root)
-            || primitives.into_iter().any(|primitive| !primitive.targets.is_empty())
-        {
+        let mut primitives = document.meshes().flat_map(|mesh| mesh.primitives());
+        if animation::morphs(document) || primitives.any(|primitive| primitive.morph_targets().len() > 0) {
             self.warn("has morph targets: meshes are shown without them".to_owned());
         }
     }
 }
 
 fn default_id(gltf: &Gltf) -> MaterialId {
-    MaterialId(gltf.root.materials.len() as u32)
+    MaterialId(gltf.document.materials().len() as u32)
 }
 
 fn renderer(mesh: MeshSource, materials: Vec<MaterialId>) -> MeshRenderer {
@@ -235,26 +225,27 @@ fn renderer(mesh: MeshSource, materials: Vec<MaterialId>) -> MeshRenderer {
     MeshRenderer { mesh, materials, casts_shadows: true, density, reflection }
 }
 
-fn roots(root: &Root) -> Result<Vec<usize>, String> {
-    if root.scenes.is_empty() {
-        let children: HashSet<usize> =
-            root.nodes.iter().flat_map(|node| node.children.iter().copied()).collect();
-        return Ok((0..root.nodes.len()).filter(|node| !children.contains(node)).collect());
+fn roots(document: &Document) -> Vec<Node<'_>> {
+    if let Some(scene) = document.default_scene().or_else(|| document.scenes().next()) {
+        return scene.nodes().collect();
     }
-    get(&root.scenes, root.scene.unwrap_or(0), "scene").map(|scene| scene.nodes.clone())
+    let children: HashSet<usize> =
+        document.nodes().flat_map(|node| node.children()).map(|child| child.index()).collect();
+    document.nodes().filter(|node| !children.contains(&node.index())).collect()
 }
 
-fn name(node: &Node, index: usize) -> String {
-    node.name.clone().filter(|name| !name.is_empty()).unwrap_or_else(|| format!("node {index}"))
+fn name(node: &Node) -> String {
+    let name = node.name().filter(|name| !name.is_empty());
+    name.map_or_else(|| format!("node {}", node.index()), str::to_owned)
 }
 
-fn transform(node: &Node) -> Result<(Transform, Option<DQuat>), String> {
-    let Some(columns) = &node.matrix else {
-        let rotation = DQuat::from_array(node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]));
+fn transform(placement: &Placement) -> Result<(Transform, Option<DQuat>), String> {
+    let Some(columns) = &placement.matrix else {
+        let rotation = DQuat::from_array(placement.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]));
         let transform = Transform {
-            translation: node.translation.map_or(DVec3::ZERO, DVec3::from),
+            translation: placement.translation.map_or(DVec3::ZERO, DVec3::from),
             rotation: unit(rotation).ok_or("its rotation is no direction")?,
-            scale: node.scale.map_or(DVec3::ONE, DVec3::from),
+            scale: placement.scale.map_or(DVec3::ONE, DVec3::from),
         };
         return Ok((transform, None));
     };
@@ -270,30 +261,48 @@ fn unit(rotation: DQuat) -> Option<DQuat> {
     usable.then(|| if length == 1.0 { rotation } else { rotation * (1.0 / length) })
 }
 
-fn instance_transforms(gltf: &Gltf, instancing: &json::Instancing) -> Result<Vec<Transform>, String> {
-    let read = |name: &str, width: usize| match instancing.attributes.get(name) {
-        Some(&index) => accessor::floats(gltf, index, &[width]).map(Some),
-        None => Ok(None),
+/// The extension is unknown to the crate: its attributes are accessors.
+fn instance_transforms(gltf: &Gltf, instancing: &Value) -> Result<Vec<Transform>, String> {
+    let accessor = |name: &str| {
+        let index = instancing["attributes"][name].as_u64();
+        index.map(|index| find(gltf.document.accessors(), index as usize, "accessor")).transpose()
     };
-    let places = read("TRANSLATION", 3)?;
-    let rotations = read("ROTATION", 4)?;
-    let scales = read("SCALE", 3)?;
-    let lengths: Vec<usize> =
-        [&places, &rotations, &scales].into_iter().flatten().map(accessor::Rows::len).collect();
-    let count = lengths.first().copied().unwrap_or(0);
-    if lengths.iter().any(|&length| length != count) {
+    let vectors = |name: &str| accessor(name)?.map(|accessor| vectors(gltf, accessor)).transpose();
+    let (places, scales) = (vectors("TRANSLATION")?, vectors("SCALE")?);
+    let turns = accessor("ROTATION")?.map(|accessor| rotations(gltf, accessor)).transpose()?;
+    let lengths =
+        [places.as_ref().map(Vec::len), turns.as_ref().map(Vec::len), scales.as_ref().map(Vec::len)];
+    let count = lengths.into_iter().flatten().max().unwrap_or(0);
+    if lengths.into_iter().flatten().any(|length| length != count) {
         return Err("its instances have attributes of different lengths".to_owned());
     }
     let mut transforms = vec![Transform::default(); count];
-    for (to, place) in transforms.iter_mut().zip(places.iter().flat_map(accessor::Rows::arrays::<3>)) {
+    for (to, place) in transforms.iter_mut().zip(places.into_iter().flatten()) {
         to.translation = Vec3::from(place).as_dvec3();
     }
-    for (to, xyzw) in transforms.iter_mut().zip(rotations.iter().flat_map(accessor::Rows::arrays::<4>)) {
+    for (to, xyzw) in transforms.iter_mut().zip(turns.into_iter().flatten()) {
         to.rotation = unit(DQuat::from_array(xyzw.map(f64::from)))
             .ok_or("the rotation of an instance is no direction")?;
     }
-    for (to, scale) in transforms.iter_mut().zip(scales.iter().flat_map(accessor::Rows::arrays::<3>)) {
+    for (to, scale) in transforms.iter_mut().zip(scales.into_iter().flatten()) {
         to.scale = Vec3::from(scale).as_dvec3();
     }
     Ok(transforms)
+}
+
+fn vectors(gltf: &Gltf, accessor: Accessor) -> Result<Vec<[f32; 3]>, String> {
+    read(gltf, &accessor, VECTORS, [0.0; 3], || Iter::new(accessor.clone(), bytes_of(gltf)))
+}
+
+fn rotations(gltf: &Gltf, accessor: Accessor) -> Result<Vec<[f32; 4]>, String> {
+    let (of, bytes) = (accessor.clone(), bytes_of(gltf));
+    let rotations = || match accessor.data_type() {
+        DataType::I8 => Iter::new(of, bytes).map(Rotations::I8),
+        DataType::U8 => Iter::new(of, bytes).map(Rotations::U8),
+        DataType::I16 => Iter::new(of, bytes).map(Rotations::I16),
+        DataType::U16 => Iter::new(of, bytes).map(Rotations::U16),
+        DataType::F32 => Iter::new(of, bytes).map(Rotations::F32),
+        DataType::U32 => None,
+    };
+    read(gltf, &accessor, ROTATIONS, [0.0; 4], || rotations().map(Rotations::into_f32))
 }
