@@ -284,9 +284,9 @@ fn scale(x: &mut Symmetric, areas: &[f64]) -> usize {
             let columns = &columns[starts[i]..];
             row.iter_mut().zip(columns).for_each(|(value, &j)| *value *= d[i] * d[j as usize]);
         });
-        for i in 0..n {
-            x.sky[i].iter_mut().for_each(|sky| sky.1 *= d[i] * d[i]);
-            x.lost[i] *= d[i] * d[i];
+        for ((sky, lost), d) in x.sky.iter_mut().zip(&mut x.lost).zip(&d) {
+            sky.iter_mut().for_each(|sky| sky.1 *= d * d);
+            *lost *= d * d;
         }
     }
     200
@@ -334,6 +334,6 @@ mod tests {
         let mut row: Vec<(u32, f32)> = (0..1000).map(|j| (j, 1.0 / 999.9995)).collect();
         cap(&mut row, 1.0);
         let sum: f64 = row.iter().map(|entry| f64::from(entry.1)).sum();
-        assert!(sum <= 1.0 && sum >= 1.0 - 2e-7, "{sum}");
+        assert!((1.0 - 2e-7..=1.0).contains(&sum), "{sum}");
     }
 }

@@ -165,12 +165,7 @@ fn assemble(
     add_probes(scene, source, &mut transport, &mut rays);
     transport.sky_patches = if scene.sky.kind == SkyKind::None { 0 } else { sky::COUNT };
     rays.sky_patches = transport.sky_patches;
-    Layout {
-        transport,
-        rays,
-                dropped_triangles: source.dropped,
-        warnings: source.warnings.clone(),
-    }
+    Layout { transport, rays, dropped_triangles: source.dropped, warnings: source.warnings.clone() }
 }
 
 /// Render vertices: one for each node and set of attributes.

@@ -92,18 +92,7 @@ impl Query {
         (0..n).for_each(|i| reflecting[i] = b[i] - m(i));
         let reflected = gather(&transport.receiver_from_patch, &reflecting);
         let extent = extent(transport);
-        Self {
-            rays,
-            bvh,
-            emitters,
-            materials,
-            lights,
-            from_emitters,
-            reflected,
-            extent,
-           
-            solvable,
-        }
+        Self { rays, bvh, emitters, materials, lights, from_emitters, reflected, extent, solvable }
     }
 
     fn transport(&self) -> &Transport {

@@ -67,11 +67,11 @@ fn place(node: &Node, back: bool) -> Place {
 fn nodes(fine: &Fine, links: &Links, batches: &[Batch], length: f64) -> (Vec<[u32; 3]>, Vec<Node>) {
     let mut sets = Sets::new(fine.triangles.len() * 3);
     for (t, beyond) in links.beyond.iter().enumerate() {
-        for k in 0..3 {
-            let other = beyond[k] as usize;
-            if beyond[k] == u32::MAX || !links.smooth[t][k] {
+        for (k, &other) in beyond.iter().enumerate() {
+            if other == u32::MAX || !links.smooth[t][k] {
                 continue;
             }
+            let other = other as usize;
             let Some(side) = (0..3)
                 .find(|&side| links.beyond[other][side] == t as u32 && same_side(fine, t, k, other, side))
             else {

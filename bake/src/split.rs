@@ -143,15 +143,15 @@ fn split_chart(
         chart.outline.iter().map(|edge| size_at(charts, edge[0], size)).fold(f64::INFINITY, f64::min);
     let whole = cuts.is_empty() && edges.iter().all(Vec::is_empty) && chart.area <= 1.5 * finest * finest;
     if whole {
-        return as_it_is(surface, chart, id);
+        return as_it_is(surface, chart);
     }
     let Some(cdt) = triangulate(charts, chart, surface, cuts, &edges, size) else {
-        return as_it_is(surface, chart, id);
+        return as_it_is(surface, chart);
     };
-    read_off(surface, chart, &cdt, id)
+    read_off(surface, chart, &cdt)
 }
 
-fn as_it_is(surface: &Surface, chart: &Chart, id: u32) -> Fine {
+fn as_it_is(surface: &Surface, chart: &Chart) -> Fine {
     let mut fine = Fine::default();
     for &t in &chart.triangles {
         let triangle = &surface.triangles[t as usize];
@@ -299,7 +299,7 @@ fn inside(corners: &[[DVec2; 3]], p: DVec2) -> bool {
 }
 
 /// The triangles inside the chart, with their attributes.
-fn read_off(surface: &Surface, chart: &Chart, cdt: &Cdt, id: u32) -> Fine {
+fn read_off(surface: &Surface, chart: &Chart, cdt: &Cdt) -> Fine {
     let affine = affine_of(surface, chart);
     let batch = surface.triangles[chart.triangles[0] as usize].batch;
     let corners: Vec<[DVec2; 3]> = chart
@@ -316,8 +316,8 @@ fn read_off(surface: &Surface, chart: &Chart, cdt: &Cdt, id: u32) -> Fine {
         is_inside
     };
     let place = |point: &Point| point.exact.unwrap_or_else(|| chart.frame.place(point.flat));
-    let mut fine = Fine::default();
-    fine.corners = cdt.vertices().map(|vertex| affine.at(place(vertex.data()))).collect();
+    let corners = cdt.vertices().map(|vertex| affine.at(place(vertex.data()))).collect();
+    let mut fine = Fine { corners, triangles: Vec::new() };
     for face in cdt.inner_faces().filter(|face| is_inside[face.index()]) {
         let corners = face.vertices().map(|vertex| vertex.index() as u32);
         let [a, b, c] = corners.map(|corner| fine.corners[corner as usize].position);
