@@ -1,7 +1,7 @@
 //! The house that tests share.
 
-pub mod project;
 pub mod made;
+pub mod project;
 
 use std::path::{Path, PathBuf};
 

@@ -96,10 +96,12 @@ fn judge(name: &str, quality: Quality, method: Method) -> Option<(f64, f64)> {
         }
     }
     if !reference.probes.is_empty() && method == Method::Gather {
-        let found = query_probes(project.path(), None, &Settings::default(), &reference.probes).expect("a query");
-        let differences = found.iter().zip(&reference.coefficients).flat_map(|(f, r)| {
-            (0..9).map(|k| (f[k].as_dvec3() - r[k]).length_squared()).collect::<Vec<_>>()
-        });
+        let found =
+            query_probes(project.path(), None, &Settings::default(), &reference.probes).expect("a query");
+        let differences = found
+            .iter()
+            .zip(&reference.coefficients)
+            .flat_map(|(f, r)| (0..9).map(|k| (f[k].as_dvec3() - r[k]).length_squared()).collect::<Vec<_>>());
         let n = reference.probes.len() as f64;
         let rms = (differences.sum::<f64>() / (27.0 * n)).sqrt();
         let mean = reference.coefficients.iter().map(|c| c[0].element_sum()).sum::<f64>() / (3.0 * n);
@@ -163,7 +165,8 @@ fn a_furnace_is_two_pi_everywhere_at_every_quality() {
             }
         }
     }
-    let probes = query_probes(project.path(), None, &Settings::default(), &reference.probes).expect("a query");
+    let probes =
+        query_probes(project.path(), None, &Settings::default(), &reference.probes).expect("a query");
     for probe in probes {
         assert!((probe[0].x - 7.089_815).abs() < 1e-3, "{}", probe[0]);
         assert!(probe[1..].iter().all(|l| l.abs().max_element() < 0.02), "{probe:?}");
