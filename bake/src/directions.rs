@@ -1,9 +1,8 @@
 //! Where rays go: Owen-scrambled Sobol points, and the directions and places made of them.
 //!
 //! The first four dimensions of Sobol's sequence (direction numbers of Joe and Kuo 2008), scrambled as Owen
-//! asks by a hash (Laine and Karras 2011, Burley 2020, Vegdahl's constants). A power of two of points is a
-//! (0, m, s)-like net in each pair of dimensions, so that a row's hits are counted with an error near 1/R
-//! where the surfaces are smooth, not 1/sqrt(R).
+//! asks by a hash (Laine and Karras 2011, Burley 2020, Vegdahl's constants). The first two dimensions are the most
+//! even ones: a power of two of points puts as many into each cell of any grid of that many cells.
 
 use glam::{Vec2, Vec3};
 
@@ -131,16 +130,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_pair_of_dimensions_is_stratified() {
+    fn the_first_two_dimensions_are_a_net_and_no_pair_clumps() {
         let sobol = Sobol::new(256);
-        for (a, b) in [(0, 1), (2, 3), (1, 2)] {
+        for (a, b, most) in [(0, 1, 1), (1, 2, 4), (2, 3, 4)] {
             let mut cells = [0; 256];
             for i in 0..256 {
                 let p = sobol.point(i, 99);
                 cells[(p[a] * 16.0) as usize * 16 + (p[b] * 16.0) as usize] += 1;
             }
-            let spread = cells.iter().filter(|&&count| count == 1).count();
-            assert!(spread >= 100, "{a},{b}: {spread} of 256 cells hold one point");
+            assert!(cells.iter().all(|&count| count <= most), "{a},{b}: {cells:?}");
         }
         for d in 0..4 {
             let mut bins = [0; 256];

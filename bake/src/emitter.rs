@@ -38,7 +38,7 @@ impl Emitters {
         let few = area(false) <= LARGE * area(true);
         let is_emitter: Vec<bool> = marked.iter().map(|&marked| marked && few).collect();
         let patches: Vec<u32> = (0..marked.len() as u32).filter(|&i| is_emitter[i as usize]).collect();
-        let rays = (2048 / patches.len().max(1)).next_power_of_two().clamp(4, 64) as u32;
+        let rays = (256 / patches.len().max(1)).next_power_of_two().clamp(4, 64) as u32;
         Self { patches, is_emitter, sobol: Sobol::new(4 * rays), rays }
     }
 
@@ -84,7 +84,7 @@ impl Emitters {
         let triangles = &scene.triangles[range.clone()];
         let polygon = (range.len() <= MANY)
             .then(|| triangles.iter().map(|t| triangle_share(position, normal, t, back)).sum::<f32>());
-        if polygon == Some(0.0) {
+        if polygon.is_some_and(|share| share < 1e-9) {
             return 0.0;
         }
         let places = Places::of(scene, patch as usize);

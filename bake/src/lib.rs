@@ -22,6 +22,9 @@ mod settings;
 mod split;
 mod surface;
 
+pub mod chain;
+pub mod progress;
+
 use std::path::Path;
 
 use engine::scene::assets::Assets;

@@ -87,8 +87,8 @@ impl Tracer<'_> {
             let key = self.scene.patch_keys[i];
             for ray in 0..rays {
                 let [a, b, c, d] = sobol.point(ray, key);
-                let (position, normal, _) = places.at(a, b);
-                self.count(position, normal, cosine_direction(c, d), hash(key ^ u64::from(ray)), counter);
+                let (position, normal, _) = places.at(c, d);
+                self.count(position, normal, cosine_direction(a, b), hash(key ^ u64::from(ray)), counter);
             }
         })
     }

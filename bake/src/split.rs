@@ -321,10 +321,11 @@ fn read_off(surface: &Surface, chart: &Chart, cdt: &Cdt, id: u32) -> Fine {
     fine.corners = cdt.vertices().map(|vertex| affine.at(place(vertex.data()))).collect();
     for face in cdt.inner_faces().filter(|face| is_inside[face.index()]) {
         let corners = face.vertices().map(|vertex| vertex.index() as u32);
-        let [a, b, c] = corners.map(|corner| fine.corners[corner as usize].position.as_vec3());
+        let [a, b, c] = corners.map(|corner| fine.corners[corner as usize].position);
         let cross = (b - a).cross(c - a).length();
-        if cross <= 1e-7 * (b - a).length_squared().max((c - a).length_squared()) {
-            continue; // what rounding leaves between two lines in the same place
+        let longest = (b - a).length_squared().max((c - a).length_squared()).max((c - b).length_squared());
+        if cross <= 1e-5 * longest {
+            continue; // what rounding leaves between an edge and the points that divide it
         }
         let cut = face.adjacent_edges().map(|edge| {
             let other = edge.rev().face();

@@ -1,4 +1,6 @@
-//! The house that tests share.
+//! What tests of whole crates share.
+
+pub mod source;
 
 pub mod made;
 pub mod project;
@@ -11,6 +13,7 @@ pub fn shared() -> Option<PathBuf> {
     let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
     let folder = std::env::var_os("HOHLRAUM_SHARED").map_or_else(beside, PathBuf::from);
     if folder.is_dir() {
+        println!("with ../shared"); // .ci/run counts both
         return Some(folder);
     }
     println!("not run: no ../shared");

@@ -152,7 +152,9 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), SceneError> {
     let failed = |source| SceneError::Io { path: path.to_owned(), source };
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     std::fs::create_dir_all(folder).map_err(failed)?;
-    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(failed)?;
+    // Not `NamedTempFile::new_in`, whose files nobody but their owner may read.
+    let create = |path: &Path| std::fs::File::create_new(path);
+    let mut file = tempfile::Builder::new().make_in(folder, create).map_err(failed)?;
     file.write_all(bytes).map_err(failed)?;
     file.as_file().sync_all().map_err(failed)?;
     file.persist(path).map_err(|error| failed(error.error))?;

@@ -1,0 +1,25 @@
+//! `hohlraum-bake check PROJECT`
+
+use std::process::ExitCode;
+
+use anyhow::Result;
+use serde_json::json;
+
+use crate::args::CheckArgs;
+use crate::print;
+
+pub fn run(args: &CheckArgs) -> Result<ExitCode> {
+    let scene = super::scene_name(&args.scene.project, args.scene.name())?;
+    let certificate = bake::check(&args.scene.project, Some(&scene), &args.scene.settings())?;
+    if args.json {
+        print::json(&json!({
+            "scene": scene,
+            "holds": certificate.holds(),
+            "statements": certificate.statements(),
+            "certificate": certificate,
+        }));
+    } else {
+        print::text(&print::certificate(&certificate));
+    }
+    Ok(print::verdict(&certificate))
+}

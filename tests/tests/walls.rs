@@ -1,0 +1,114 @@
+//! The walls between crates and rooms. What is absent is what keeps each of them small: the bake runs where there is
+//! no GPU, the scene knows nothing of light transport, the GPU craft knows nothing of either.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use tests::source::{files, read, workspace};
+
+/// engine's rooms, and the rooms that each may name.
+const ROOMS: [(&str, &[&str]); 5] = [
+    ("scene", &[]),
+    ("transport", &["scene"]),
+    ("gpu", &[]),
+    ("render", &["scene", "transport", "gpu"]),
+    ("play", &["scene", "transport", "gpu", "render"]),
+];
+
+/// The rooms' files that write to disk; `play` writes pictures and statistics where it is told to.
+const WRITERS: [&str; 2] = ["scene/file.rs", "transport/file.rs"];
+
+#[test]
+fn rooms_name_only_the_rooms_below_them() {
+    for (room, may_name) in ROOMS {
+        for file in room_files(room) {
+            let source = read(&file);
+            let forbidden: Vec<_> = source
+                .rooms(depth(&file))
+                .filter(|named| ROOMS.iter().any(|(other, _)| other == named))
+                .filter(|named| *named != room && !may_name.contains(named))
+                .collect();
+            assert!(forbidden.is_empty(), "{} names {forbidden:?}", file.display());
+        }
+    }
+}
+
+#[test]
+fn engine_knows_nothing_of_its_users() {
+    let crates = dependencies("engine", "normal,build,dev");
+    assert!(has(&crates, "wgpu"), "the tree is read: {crates:?}");
+    for absent in ["bake", "editor", "egui", "eframe"] {
+        assert!(!has(&crates, absent), "engine depends on {absent}");
+    }
+}
+
+#[test]
+fn the_bake_needs_no_gpu_and_no_window() {
+    let crates = dependencies("bake", "normal,build");
+    assert!(has(&crates, "obvhs"), "the tree is read: {crates:?}");
+    for absent in ["wgpu", "wgpu-core", "wgpu-hal", "naga", "naga_oil", "winit", "egui", "editor"] {
+        assert!(!has(&crates, absent), "bake depends on {absent}");
+    }
+}
+
+#[test]
+fn engine_writes_files_in_two_places() {
+    for file in ROOMS.iter().filter(|(room, _)| *room != "play").flat_map(|(room, _)| room_files(room)) {
+        let source = read(&file);
+        let calls: [&[&str]; 10] = [
+            &["fs", "write"],
+            &["fs", "copy"],
+            &["fs", "rename"],
+            &["fs", "remove_file"],
+            &["fs", "remove_dir_all"],
+            &["fs", "create_dir"],
+            &["fs", "create_dir_all"],
+            &["File", "create"],
+            &["OpenOptions"],
+            &["tempfile"],
+        ];
+        let writes = calls.iter().any(|call| source.names(call));
+        let may = WRITERS.iter().any(|writer| file.ends_with(writer));
+        assert!(may || !writes, "{} writes to disk", file.display());
+    }
+}
+
+#[test]
+fn configuration_never_hides_in_function_bodies() {
+    for package in ["engine", "bake", "editor", "tests"] {
+        for file in files(&workspace().join(package), "rs") {
+            assert_eq!(read(&file).cfgs_in_bodies, 0, "{}", file.display());
+        }
+    }
+}
+
+fn room_files(room: &str) -> Vec<std::path::PathBuf> {
+    let rooms = workspace().join("engine/src");
+    let files = files(&rooms.join(room), "rs");
+    assert!(!files.is_empty(), "engine has no room `{room}`");
+    files
+}
+
+/// Modules from the crate's root down to the file: scene/mod.rs 1, scene/import/obj.rs 3.
+fn depth(file: &Path) -> usize {
+    let below = file.strip_prefix(workspace().join("engine/src")).unwrap();
+    below.components().count() - usize::from(below.ends_with("mod.rs"))
+}
+
+/// Names of all crates that a package of the workspace is built from.
+fn dependencies(package: &str, edges: &str) -> Vec<String> {
+    let output = Command::new(env!("CARGO"))
+        .args(["tree", "--offline", "--prefix", "none", "--format", "{p}", "-p", package, "-e", edges])
+        .current_dir(workspace())
+        .stdin(Stdio::null())
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout).unwrap();
+    let others = text.lines().skip(1).filter_map(|line| line.split(' ').next());
+    others.map(str::to_owned).collect()
+}
+
+fn has(crates: &[String], name: &str) -> bool {
+    crates.iter().any(|other| other == name)
+}
