@@ -56,24 +56,38 @@ fn arrival(light: Light, position: vec3f, least: f32) -> Arrival {
     return Arrival(towards, light.power * (share * cone * cone));
 }
 
-/// Share of the light that reaches a point, by its shadow map. The point is moved off its surface by as much
-/// as the filter is wide, and a little towards the light: a surface does not shade itself.
+/// Share of the light that reaches a point, by its shadow map. The filter looks from a point off the surface by as
+/// much as the filter is wide, and a little towards the light: a surface does not shade itself.
+///
+/// It looks once more from so far off that this moves it on the map by more than the filter is wide, and from
+/// behind: where two walls meet, the first look reads beyond the outline of the wall that blocks, into the open,
+/// and would light a thin line. The lesser of both counts.
 fn visible(light: Light, position: vec3f, normal: vec3f, towards: vec3f) -> f32 {
     if light.layer < 0 {
         return 1.0;
     }
     var width = light.texel;
-    var face = 0u;
     if light.kind == POINT {
-        let way = position - light.position;
-        let size = abs(way);
+        let size = abs(position - light.position);
         width *= max(size.x, max(size.y, size.z));
-        face = face_of(way);
     } else if light.kind == SPOT {
         width *= max(dot(position - light.position, light.direction), 0.0);
     }
-    let slope = sqrt(saturate(1.0 - dot(normal, towards) * dot(normal, towards)));
-    let point = position + normal * (width * (0.5 + 2.2 * slope)) + towards * (0.5 * width);
+    let cosine = dot(normal, towards);
+    let slope = sqrt(saturate(1.0 - cosine * cosine));
+    let near = position + normal * (width * (0.5 + 2.2 * slope)) + towards * (0.5 * width);
+    let share = looked_up(light, near, 1);
+    if share <= 0.0 {
+        return 0.0;
+    }
+    let off = width * 2.5 / max(slope, 0.25);
+    let far = position + normal * off - towards * (0.75 * off * cosine);
+    return min(share, looked_up(light, far, 0));
+}
+
+/// Mean of (2 radius + 1)^2 comparisons about a point.
+fn looked_up(light: Light, point: vec3f, radius: i32) -> f32 {
+    let face = select(0u, face_of(point - light.position), light.kind == POINT);
     let clip = shadow_views[light.first_view + face] * vec4f(point, 1.0);
     if clip.w <= 0.0 {
         return 1.0;
@@ -83,12 +97,12 @@ fn visible(light: Light, position: vec3f, normal: vec3f, towards: vec3f) -> f32 
     let depth = saturate(ndc.z);
     let layer = light.layer + i32(face);
     if light.kind == SUN {
-        return filtered_sun(at, layer, depth);
+        return filtered_sun(at, layer, depth, radius);
     }
     if light.kind == SPOT {
-        return filtered_spot(at, layer, depth);
+        return filtered_spot(at, layer, depth, radius);
     }
-    return filtered_point(at, layer, depth);
+    return filtered_point(at, layer, depth, radius);
 }
 
 /// Faces +x -x +y -y +z -z.
@@ -103,41 +117,44 @@ fn face_of(way: vec3f) -> u32 {
     return select(5u, 4u, way.z > 0.0);
 }
 
-// Percentage closer filtering over 3 x 3 bilinear comparisons (Reeves et al. 1987). WGSL passes no textures
-// to functions on every target, hence one function a kind.
+// Percentage closer filtering over bilinear comparisons (Reeves et al. 1987). WGSL passes no textures to
+// functions on every target, hence one function a kind.
 
-fn filtered_sun(at: vec2f, layer: i32, depth: f32) -> f32 {
+fn filtered_sun(at: vec2f, layer: i32, depth: f32, radius: i32) -> f32 {
     let texel = 1.0 / vec2f(textureDimensions(sun_maps));
     var sum = 0.0;
-    for (var y = -1; y <= 1; y++) {
-        for (var x = -1; x <= 1; x++) {
+    for (var y = -radius; y <= radius; y++) {
+        for (var x = -radius; x <= radius; x++) {
             let tap = at + vec2f(f32(x), f32(y)) * texel;
             sum += textureSampleCompareLevel(sun_maps, nearer, tap, layer, depth);
         }
     }
-    return sum / 9.0;
+    let taps = f32(2 * radius + 1);
+    return sum / (taps * taps);
 }
 
-fn filtered_spot(at: vec2f, layer: i32, depth: f32) -> f32 {
+fn filtered_spot(at: vec2f, layer: i32, depth: f32, radius: i32) -> f32 {
     let texel = 1.0 / vec2f(textureDimensions(spot_maps));
     var sum = 0.0;
-    for (var y = -1; y <= 1; y++) {
-        for (var x = -1; x <= 1; x++) {
+    for (var y = -radius; y <= radius; y++) {
+        for (var x = -radius; x <= radius; x++) {
             let tap = at + vec2f(f32(x), f32(y)) * texel;
             sum += textureSampleCompareLevel(spot_maps, nearer, tap, layer, depth);
         }
     }
-    return sum / 9.0;
+    let taps = f32(2 * radius + 1);
+    return sum / (taps * taps);
 }
 
-fn filtered_point(at: vec2f, layer: i32, depth: f32) -> f32 {
+fn filtered_point(at: vec2f, layer: i32, depth: f32, radius: i32) -> f32 {
     let texel = 1.0 / vec2f(textureDimensions(point_maps));
     var sum = 0.0;
-    for (var y = -1; y <= 1; y++) {
-        for (var x = -1; x <= 1; x++) {
+    for (var y = -radius; y <= radius; y++) {
+        for (var x = -radius; x <= radius; x++) {
             let tap = at + vec2f(f32(x), f32(y)) * texel;
             sum += textureSampleCompareLevel(point_maps, nearer, tap, layer, depth);
         }
     }
-    return sum / 9.0;
+    let taps = f32(2 * radius + 1);
+    return sum / (taps * taps);
 }

@@ -1,0 +1,107 @@
+//! Every struct that Rust writes and a shader reads lies in memory as the shader takes it: size and offset of
+//! every field.
+
+use std::mem::offset_of;
+
+use engine::render::coarse::CoarseUniform;
+use engine::render::frame::FrameUniform;
+use engine::render::gather::MeanUniform;
+use engine::render::lights::GpuLight;
+use engine::render::materials::{MapUniform, MaterialUniform};
+use engine::render::rows::PageUniform;
+use engine::render::shaders;
+use engine::render::shadow::ShadowView;
+use engine::render::sky::SkyUniform;
+use engine::transport::{Patch, Sample};
+use naga::{Module, TypeInner};
+
+/// Fields and sizes of a struct in a composed shader; naga_oil adds a module's name to what it imports.
+fn wgsl(module: &Module, name: &str) -> (Vec<(String, u32)>, u32) {
+    let found = module.types.iter().find_map(|(_, ty)| {
+        let own = ty.name.as_ref()?;
+        let plain = own.split("X_naga_oil_mod_X").next()?;
+        match &ty.inner {
+            TypeInner::Struct { members, span } if plain == name => Some((members, *span)),
+            _ => None,
+        }
+    });
+    let (members, span) = found.unwrap_or_else(|| panic!("no struct {name}"));
+    let fields = members.iter().map(|member| (member.name.clone().unwrap_or_default(), member.offset));
+    (fields.collect(), span)
+}
+
+/// Compares the named fields' offsets; `size` is the twin's.
+fn compare(source: engine::gpu::shader::Source, name: &str, fields: &[(&str, usize)], size: usize) {
+    let module = shaders::library().unwrap().compose(source).unwrap();
+    let (theirs, span) = wgsl(&module, name);
+    let ours: Vec<(String, u32)> =
+        fields.iter().map(|(name, offset)| ((*name).to_owned(), *offset as u32)).collect();
+    let without_padding = |fields: Vec<(String, u32)>| -> Vec<(String, u32)> {
+        fields.into_iter().filter(|(name, _)| name != "padding").collect()
+    };
+    assert_eq!(without_padding(theirs), without_padding(ours), "{name}");
+    assert_eq!(span as usize, size, "size of {name}");
+}
+
+/// Offsets of a Rust struct's fields.
+macro_rules! fields {
+    ($ty:ty: $($field:ident),* $(,)?) => { &[$((stringify!($field), offset_of!($ty, $field))),*] };
+}
+
+#[test]
+fn frame() {
+    let fields =
+        fields!(FrameUniform: clip_from_world, eye, forward, time, right, exposure, up, lights, view, encode);
+    compare(shaders::SURFACE, "Frame", fields, size_of::<FrameUniform>());
+}
+
+#[test]
+fn light() {
+    let fields = fields!(GpuLight: position, kind, direction, range, power, layer, cone, first_view, texel);
+    compare(shaders::SURFACE, "Light", fields, size_of::<GpuLight>());
+}
+
+#[test]
+fn material() {
+    let fields = fields!(MaterialUniform: base, emission, metallic, roughness, normal_scale, cutoff, flags,
+        base_map, metal_map, normal_map, emission_map);
+    compare(shaders::SURFACE, "Material", fields, size_of::<MaterialUniform>());
+    compare(shaders::SURFACE, "Map", fields!(MapUniform: u, v), size_of::<MapUniform>());
+}
+
+#[test]
+fn shadow() {
+    // Slots of a dynamic offset are wider than what the shader reads of them.
+    compare(shaders::SHADOW, "ShadowView", fields!(ShadowView: clip_from_world), 64);
+    assert_eq!(size_of::<ShadowView>(), 256);
+}
+
+#[test]
+fn sky() {
+    let fields =
+        fields!(SkyUniform: zenith, kind, horizon, sun_radius, ground, turn, sun, strength, sun_radiance);
+    compare(shaders::SKY, "Sky", fields, size_of::<SkyUniform>());
+}
+
+#[test]
+fn patches_and_samples() {
+    let fields = fields!(Patch: centre, area, normal, batch, first_triangle, triangle_count, first_sample,
+        sample_count, back, component, aggregate);
+    compare(shaders::DIRECT, "Patch", fields, size_of::<Patch>());
+    // `patch` is a reserved word of WGSL.
+    let fields = &[
+        ("position", offset_of!(Sample, position)),
+        ("owner", offset_of!(Sample, patch)),
+        ("normal", offset_of!(Sample, normal)),
+    ];
+    compare(shaders::DIRECT, "Sample", fields, size_of::<Sample>());
+}
+
+#[test]
+fn rows() {
+    compare(shaders::BOUNCE, "Page", fields!(PageUniform: first, count), size_of::<PageUniform>());
+    let fields = fields!(CoarseUniform: patches, aggregates, chunks);
+    compare(shaders::COARSE, "Coarse", fields, size_of::<CoarseUniform>());
+    let fields = fields!(MeanUniform: receivers, share, probe);
+    compare(shaders::MEAN, "Mean", fields, size_of::<MeanUniform>());
+}
