@@ -19,7 +19,6 @@ use crate::rays::Hits;
 pub struct Balance {
     /// max |row sum - 1| before, of what both directions pooled say.
     pub defect_raw: f64,
-    pub sweeps: usize,
     /// max |row sum - 1| of the f64 matrix after.
     pub defect: f64,
 }
@@ -51,8 +50,12 @@ pub fn balanced_rows(
     let mut pooled = pool(hits, rays, areas, emitters, towards);
     let mut balance = Balance { defect_raw: defect(&pooled, areas), ..Balance::default() };
     blacken(&mut pooled, areas);
-    least_squares(&mut pooled, areas);
-    balance.sweeps = scale(&mut pooled, areas);
+    for _ in 0..8 {
+        least_squares(&mut pooled, areas);
+        if scale(&mut pooled, areas, 16) {
+            break;
+        }
+    }
     balance.defect = defect(&pooled, areas);
     let kept = |i: usize| 1.0 - (pooled.lost[i] / areas[i]).clamp(0.0, 1.0);
     let targets: Vec<f32> = (0..areas.len()).map(|i| kept(i) as f32).collect();
@@ -261,14 +264,14 @@ fn gradients(apply: impl Fn(&[f64]) -> Vec<f64>, rhs: &[f64], diagonal: &[f64]) 
     x
 }
 
-/// Symmetric diagonal scaling until every row closes to 1e-10, at most 200 sweeps.
-fn scale(x: &mut Symmetric, areas: &[f64]) -> usize {
+/// Symmetric diagonal scaling until every row closes to 1e-10; false where that takes more sweeps than these.
+fn scale(x: &mut Symmetric, areas: &[f64], sweeps: usize) -> bool {
     let n = areas.len();
-    for sweep in 0..200 {
+    for _ in 0..sweeps {
         let sums: Vec<f64> = (0..n).into_par_iter().map(|i| x.sum(i)).collect();
         let worst = (0..n).map(|i| (sums[i] / areas[i] - 1.0).abs()).fold(0.0, f64::max);
         if worst < 1e-10 {
-            return sweep;
+            return true;
         }
         let d: Vec<f64> =
             (0..n).map(|i| if sums[i] > 0.0 { (areas[i] / sums[i]).sqrt() } else { 1.0 }).collect();
@@ -289,20 +292,24 @@ fn scale(x: &mut Symmetric, areas: &[f64]) -> usize {
             *lost *= d * d;
         }
     }
-    200
+    false
 }
 
-/// f32 shares whose f64 sum is at most the target, by lowering the largest one.
+/// f32 shares whose f64 sum is at most the target, by lowering the largest one. Where balancing did not end (plates
+/// that hardly part, a handful of hits), what a row still lacks stays with the patch itself: the diagonal is as
+/// symmetric as the rest, and no energy comes or goes.
 fn store(x: &Symmetric, areas: &[f64], targets: &[f32]) -> Rows {
+    let fullest = (0..areas.len()).map(|i| x.sum(i) / areas[i]).fold(1.0, f64::max);
     let finished: Vec<Vec<(u32, f32)>> = (0..areas.len())
         .into_par_iter()
         .map(|i| {
             let patches = x.range(i).map(|k| (x.columns[k], x.values[k]));
             let entries = patches.chain(x.sky[i].iter().copied());
             let mut row: Vec<(u32, f32)> = entries
-                .map(|(j, value)| (j, (value / areas[i]) as f32))
+                .map(|(j, value)| (j, (value / (areas[i] * fullest)) as f32))
                 .filter(|entry| entry.1 > 0.0)
                 .collect();
+            keep_lack(&mut row, i as u32, f64::from(targets[i]));
             cap(&mut row, f64::from(targets[i]));
             row
         })
@@ -310,6 +317,17 @@ fn store(x: &Symmetric, areas: &[f64], targets: &[f32]) -> Rows {
     let mut rows = Rows::default();
     finished.into_iter().for_each(|row| rows.push(row));
     rows
+}
+
+fn keep_lack(row: &mut Vec<(u32, f32)>, own: u32, target: f64) {
+    let lack = target - row.iter().map(|entry| f64::from(entry.1)).sum::<f64>();
+    if lack <= 1e-7 {
+        return;
+    }
+    match row.binary_search_by_key(&own, |entry| entry.0) {
+        Ok(at) => row[at].1 += lack as f32,
+        Err(at) => row.insert(at, (own, lack as f32)),
+    }
 }
 
 /// Lowers the largest weight until the f64 sum of the row is at most its target.
