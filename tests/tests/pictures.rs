@@ -274,3 +274,22 @@ fn exposure_is_a_power_of_two_and_the_display_is_srgb() {
     studio.draw(&scene, View::Composite);
     assert!(at(&studio).abs_diff(149) <= 1, "{}", at(&studio));
 }
+
+/// Where two walls meet, a shadow map's filter reads past the wall that blocks: thin lines would be lit.
+#[test]
+fn no_sun_comes_into_a_closed_room() {
+    let Some(gpu) = gpu() else { return };
+    let transport = room::closed_box(Vec3::new(-1.0, 0.0, -1.0), Vec3::new(1.0, 2.0, 1.0), 2);
+    let mut scene = room::scene_of(&transport, |_| Vec3::ONE);
+    let sun = room::light(100, LightKind::Sun, PI, DVec3::new(1.0, 1.6, 4.0), DVec3::ZERO);
+    scene.entities.push(sun);
+    let mut eye = Eye::looking(DVec3::new(0.0, 1.0, 0.9), DVec3::new(0.0, 1.0, 0.0));
+    eye.projection = Projection::Perspective { fov_y: 1.9 };
+    let mut studio = Studio::new(gpu, transport, eye, [256, 256]);
+    studio.draw(&scene, View::Composite);
+    let radiance = studio.radiance();
+    let lit = radiance.iter().filter(|radiance| radiance.x > 0.01).count();
+    assert!(lit <= 30, "{lit} pixels of {} are lit", radiance.len());
+    let mean = radiance.iter().sum::<Vec3>() / radiance.len() as f32;
+    assert!(mean.x < 1e-4, "{mean}");
+}

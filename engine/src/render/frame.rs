@@ -98,34 +98,34 @@ const FIRST_PRODUCTS: u32 = 16;
 
 /// Long-lived pipelines and the bake on the GPU.
 pub struct Renderer {
-    gpu: Arc<Gpu>,
-    transport: Arc<Transport>,
-    settings: Settings,
-    samples: u32,
+    pub(super) gpu: Arc<Gpu>,
+    pub(super) transport: Arc<Transport>,
+    pub(super) settings: Settings,
+    pub(super) samples: u32,
     pub timer: Timer,
-    pictures: Pictures,
-    materials: Materials,
-    meshes: Meshes,
-    still: StillBuffers,
-    instances: Instances,
-    spaces: Spaces,
-    sources: Sources,
-    shadows: Shadows,
-    direct: Direct,
-    bounce: Bounce,
-    coarse: Coarse,
-    gather: Gather,
-    surfaces: Surfaces,
-    patches: Patches,
-    sky: SkyPass,
-    tonemap: Tonemap,
-    frame: wgpu::Buffer,
-    frame_group: wgpu::BindGroup,
-    target: Option<(Targets, wgpu::BindGroup)>,
+    pub(super) pictures: Pictures,
+    pub(super) materials: Materials,
+    pub(super) meshes: Meshes,
+    pub(super) still: StillBuffers,
+    pub(super) instances: Instances,
+    pub(super) spaces: Spaces,
+    pub(super) sources: Sources,
+    pub(super) shadows: Shadows,
+    pub(super) direct: Direct,
+    pub(super) bounce: Bounce,
+    pub(super) coarse: Coarse,
+    pub(super) gather: Gather,
+    pub(super) surfaces: Surfaces,
+    pub(super) patches: Patches,
+    pub(super) sky: SkyPass,
+    pub(super) tonemap: Tonemap,
+    pub(super) frame: wgpu::Buffer,
+    pub(super) frame_group: wgpu::BindGroup,
+    pub(super) target: Option<(Targets, wgpu::BindGroup)>,
     /// Counts changes of what the bounce starts from.
-    version: u64,
+    pub(super) version: u64,
     /// Probes hold what is current.
-    probes_current: bool,
+    pub(super) probes_current: bool,
 }
 
 impl Renderer {
@@ -331,66 +331,6 @@ impl Renderer {
         self.bounce.receive();
         self.timer.receive();
         Ok(())
-    }
-
-    /// The error of B is at most this share of the largest B.
-    pub fn bound(&self) -> Option<f32> {
-        Some(self.bounce.measured?.bound(self.sources.known_gain()))
-    }
-
-    pub fn gpu(&self) -> &Gpu {
-        &self.gpu
-    }
-
-    pub fn transport(&self) -> &Arc<Transport> {
-        &self.transport
-    }
-
-    /// The light as it lies on the GPU.
-    pub fn spaces(&self) -> &Spaces {
-        &self.spaces
-    }
-
-    /// What the last frame was drawn into before the tonemap.
-    pub fn targets(&self) -> Option<&Targets> {
-        self.target.as_ref().map(|(targets, _)| targets)
-    }
-
-    /// Pages of patch rows.
-    pub fn pages(&self) -> usize {
-        self.bounce.pages()
-    }
-
-    /// Bytes on the GPU by kind.
-    pub fn bytes(&self) -> [(&'static str, u64); 8] {
-        [
-            ("rows", self.bounce.bytes() + self.gather.bytes()),
-            ("light", self.spaces.bytes),
-            ("coarse correction", self.coarse.bytes),
-            ("surface", self.still.bytes),
-            ("meshes", self.meshes.bytes()),
-            ("pictures", self.pictures.bytes),
-            ("shadow maps", self.shadows.bytes()),
-            ("targets", self.targets().map_or(0, Targets::bytes)),
-        ]
-    }
-
-    /// What is not done, and why.
-    pub fn left_out(&self) -> Vec<String> {
-        let mut left_out = Vec::new();
-        if self.shadows.left_out > 0 {
-            left_out.push(format!("shadows of {} lights: too many lights", self.shadows.left_out));
-        }
-        if self.transport.sky_patches == 0 {
-            left_out.push("sky patches: no sky".to_owned());
-        }
-        if !self.instances.any_moving() {
-            left_out.push("light probes: nothing moves".to_owned());
-        }
-        if self.coarse.bytes == 0 {
-            left_out.push("coarse correction: few bounces count".to_owned());
-        }
-        left_out
     }
 }
 

@@ -5,6 +5,7 @@
 //!
 //! Bind groups of all shaders: 0 view and time, 1 scene, 2 transport, 3 the pass's own.
 
+mod account;
 pub mod bounce;
 pub mod coarse;
 pub mod direct;
@@ -19,6 +20,7 @@ pub mod pictures;
 pub mod rows;
 pub mod shaders;
 pub mod shadow;
+mod shadow_view;
 pub mod sky;
 pub mod sources;
 pub mod spaces;
