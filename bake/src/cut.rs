@@ -196,7 +196,53 @@ fn tidy(charts: &Charts, chart: &Chart, segments: Vec<[DVec2; 2]>, reach: f64) -
             tidy.push([a, b]);
         }
     }
-    tidy
+    part(tidy, snap)
+}
+
+/// Segments cut where they cross or touch each other, so that they meet in their ends alone.
+fn part(mut segments: Vec<[DVec2; 2]>, snap: f64) -> Vec<[DVec2; 2]> {
+    let low = |[a, b]: &[DVec2; 2]| a.x.min(b.x);
+    let high = |[a, b]: &[DVec2; 2]| a.x.max(b.x);
+    segments.sort_by(|p, q| low(p).total_cmp(&low(q)));
+    let mut stops: Vec<Vec<DVec2>> = segments.iter().map(|segment| segment.to_vec()).collect();
+    for i in 0..segments.len() {
+        for j in i + 1..segments.len() {
+            if low(&segments[j]) > high(&segments[i]) + snap {
+                break;
+            }
+            let touches = |p: DVec2, segment: [DVec2; 2]| foot(segment, p).distance(p) <= snap;
+            let (p, q) = (segments[i], segments[j]);
+            let ends_on_i = q.into_iter().filter(|&end| touches(end, p));
+            let ends_on_j = p.into_iter().filter(|&end| touches(end, q));
+            let (on_i, on_j): (Vec<DVec2>, Vec<DVec2>) = (ends_on_i.collect(), ends_on_j.collect());
+            let crossing = if on_i.is_empty() && on_j.is_empty() { cross(p, q) } else { None };
+            stops[i].extend(on_i.into_iter().chain(crossing));
+            stops[j].extend(on_j.into_iter().chain(crossing));
+        }
+    }
+    let bits = |p: DVec2| p.to_array().map(f64::to_bits);
+    let mut seen = HashSet::new();
+    let mut parts = Vec::new();
+    for ([a, b], mut stops) in segments.into_iter().zip(stops) {
+        let along = |p: DVec2| (p - a).dot(b - a);
+        stops.sort_by(|&p, &q| along(p).total_cmp(&along(q)));
+        stops.dedup_by(|p, q| p.distance(*q) <= snap);
+        for pair in stops.windows(2) {
+            let (p, q) = (bits(pair[0]), bits(pair[1]));
+            if seen.insert(if p < q { (p, q) } else { (q, p) }) {
+                parts.push([pair[0], pair[1]]);
+            }
+        }
+    }
+    parts
+}
+
+/// Where two segments cross, both inside.
+fn cross([a, b]: [DVec2; 2], [c, d]: [DVec2; 2]) -> Option<DVec2> {
+    let side = |p: DVec2, q: DVec2, r: DVec2| (q - p).perp_dot(r - p);
+    let (s, t) = (side(a, b, c), side(a, b, d));
+    let (u, v) = (side(c, d, a), side(c, d, b));
+    (s * t < 0.0 && u * v < 0.0).then(|| c.lerp(d, s / (s - t)))
 }
 
 /// The nearest point of a segment.

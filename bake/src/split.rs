@@ -222,10 +222,9 @@ fn constrain(cdt: &mut Cdt, a: FixedVertexHandle, b: FixedVertexHandle) {
     if a == b {
         return;
     }
+    // Cuts meet in their ends alone; what rounding makes cross all the same is left out.
     if cdt.can_add_constraint(a, b) {
         cdt.add_constraint(a, b);
-    } else {
-        cdt.add_constraint_and_split(a, b, |p| Point { flat: DVec2::new(p.x, p.y), exact: None });
     }
 }
 
