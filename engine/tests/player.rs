@@ -9,6 +9,7 @@ use engine::scene::{
     Camera, Entity, EntityId, Light, LightKind, Material, MaterialId, MeshRenderer, MeshSource, Motion,
     Scene, Transform,
 };
+use engine::transport::key::{BakeWith, transport_key};
 use engine::transport::surface::{Blend, Surface};
 use engine::transport::{Batch, NONE, Patch, Receiver, Rows, Sample, Transport, Vertex, file};
 use glam::{DQuat, DVec3, Vec2, Vec3};
@@ -108,13 +109,32 @@ fn project(scene: &Scene, bake: Option<&Transport>) -> tempfile::TempDir {
     save_project(folder.path(), &Project::default()).unwrap();
     save_scene(folder.path(), "main", scene).unwrap();
     if let Some(transport) = bake {
-        file::save(&file::path(folder.path(), "main"), transport).unwrap();
+        let with = BakeWith { quality: Default::default(), rays: 1, length: 1.0 };
+        let mut transport = transport.clone();
+        transport.certificate.rays_per_row = with.rays;
+        transport.certificate.base_length = with.length;
+        transport.certificate.key = transport_key(folder.path(), scene, &with);
+        file::save(&file::path(folder.path(), "main"), &transport).unwrap();
     }
     folder
 }
 
 fn error_of(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+#[test]
+fn a_bake_of_another_geometry_is_refused_with_the_remedy() {
+    if !can_draw() {
+        return;
+    }
+    let mut scene = scene();
+    let folder = project(&scene, Some(&floor()));
+    scene.entities[0].transform.translation.x += 1.0;
+    save_scene(folder.path(), "main", &scene).unwrap();
+    let output = play(folder.path(), &["--headless"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(error_of(&output).contains("stale") && error_of(&output).contains("hohlraum-bake"));
 }
 
 #[test]

@@ -24,7 +24,12 @@ impl TestProject {
     pub fn from_file(file: &Path) -> Self {
         let project = Self::of(&Scene::default());
         let assets = project.path().join("assets");
-        copy_folder(file.parent().expect("a folder"), &assets);
+        if file.extension().is_some_and(|ending| ending == "glb") {
+            std::fs::create_dir_all(&assets).expect("a folder"); // all in one file
+            std::fs::copy(file, assets.join(file.file_name().expect("a name"))).expect("a copy");
+        } else {
+            copy_folder(file.parent().expect("a folder"), &assets);
+        }
         let name = format!("assets/{}", file.file_name().expect("a name").to_string_lossy());
         let imported = import(project.path(), &name).expect("an import");
         save_scene(project.path(), "main", &imported.scene).expect("the scene");

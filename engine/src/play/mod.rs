@@ -67,6 +67,11 @@ pub enum PlayError {
     Render(#[from] RenderError),
     #[error("scene `{scene}` has no bake: run `hohlraum-bake {project} --scene {scene}`")]
     Unbaked { project: String, scene: String },
+    #[error(
+        "the bake of scene `{scene}` is stale: static geometry, density, holes or probes have changed since; \
+         run `hohlraum-bake {project} --scene {scene}`"
+    )]
+    Stale { project: String, scene: String },
     #[error("{}: {message}", path.display())]
     Write { path: PathBuf, message: String },
     #[error("no window: {0}; `--headless` needs none")]

@@ -8,10 +8,12 @@ use glam::{DAffine3, DVec3};
 use super::PlayError;
 use crate::render::Eye;
 use crate::scene::assets::{Assets, ClipSource};
+use crate::scene::file::Quality;
 use crate::scene::import::load_assets;
 use crate::scene::motion::moved;
 use crate::scene::transform::world_from_local_of;
 use crate::scene::{Entity, Motion, Scene, Warning, file};
+use crate::transport::key::{BakeWith, transport_key};
 use crate::transport::{self, Transport};
 
 pub struct World {
@@ -90,7 +92,18 @@ fn parent_from_local(entity: &Entity, assets: &Assets, seconds: f64) -> DAffine3
 fn bake_of(project: &Path, name: &str, scene: &Scene) -> Result<Transport, PlayError> {
     let path = transport::file::path(project, name);
     if path.is_file() {
-        return Ok(transport::file::load(&path)?);
+        let transport = transport::file::load(&path)?;
+        let certificate = &transport.certificate;
+        let with = BakeWith {
+            quality: Quality::default(), // a name for rays and length
+            rays: certificate.rays_per_row,
+            length: certificate.base_length,
+        };
+        if transport_key(project, scene, &with) != certificate.key {
+            let project = project.display().to_string();
+            return Err(PlayError::Stale { project, scene: name.to_owned() });
+        }
+        return Ok(transport);
     }
     let to_bake = |entity: &Entity| entity.is_static && entity.mesh.is_some() && !entity.hidden;
     if scene.entities.iter().any(to_bake) {
