@@ -13,6 +13,7 @@ use rayon::prelude::*;
 
 use crate::emitter::Emitters;
 use crate::rays::Hits;
+use crate::{BakeError, Watcher};
 
 /// What balancing found and did.
 #[derive(Clone, Copy, Debug, Default)]
@@ -46,20 +47,25 @@ pub fn balanced_rows(
     areas: &[f64],
     emitters: &Emitters,
     towards: &[Vec<(u32, f64)>],
-) -> (Rows, Vec<f32>, Balance) {
+    watcher: &dyn Watcher,
+) -> Result<(Rows, Vec<f32>, Balance), BakeError> {
     let mut pooled = pool(hits, rays, areas, emitters, towards);
     let mut balance = Balance { defect_raw: defect(&pooled, areas), ..Balance::default() };
     blacken(&mut pooled, areas);
     for _ in 0..8 {
-        least_squares(&mut pooled, areas);
-        if scale(&mut pooled, areas, 16) {
+        least_squares(&mut pooled, areas, watcher);
+        let closes = scale(&mut pooled, areas, 16, watcher);
+        if watcher.cancelled() {
+            return Err(BakeError::Cancelled);
+        }
+        if closes {
             break;
         }
     }
     balance.defect = defect(&pooled, areas);
     let kept = |i: usize| 1.0 - (pooled.lost[i] / areas[i]).clamp(0.0, 1.0);
     let targets: Vec<f32> = (0..areas.len()).map(|i| kept(i) as f32).collect();
-    (store(&pooled, areas, &targets), targets, balance)
+    Ok((store(&pooled, areas, &targets), targets, balance))
 }
 
 impl Symmetric {
@@ -198,7 +204,7 @@ fn defect(x: &Symmetric, areas: &[f64]) -> f64 {
     (0..areas.len()).into_par_iter().map(|i| (x.sum(i) / areas[i] - 1.0).abs()).reduce(|| 0.0, f64::max)
 }
 
-fn least_squares(x: &mut Symmetric, areas: &[f64]) {
+fn least_squares(x: &mut Symmetric, areas: &[f64], watcher: &dyn Watcher) {
     let n = areas.len();
     let diagonal: Vec<f64> = (0..n)
         .into_par_iter()
@@ -211,7 +217,7 @@ fn least_squares(x: &mut Symmetric, areas: &[f64]) {
         };
         (0..n).into_par_iter().map(|i| diagonal[i] * l[i] + row(i)).collect()
     };
-    let l = gradients(apply, &rhs, &diagonal);
+    let l = gradients(apply, &rhs, &diagonal, watcher);
     // A multiplier near zero or below would not be a share of light any more: leave it all to the scaling.
     let least = (0..n)
         .flat_map(|i| x.range(i).map(move |k| (i, k)))
@@ -230,7 +236,12 @@ fn least_squares(x: &mut Symmetric, areas: &[f64]) {
 }
 
 /// Conjugate gradients with the diagonal as preconditioner.
-fn gradients(apply: impl Fn(&[f64]) -> Vec<f64>, rhs: &[f64], diagonal: &[f64]) -> Vec<f64> {
+fn gradients(
+    apply: impl Fn(&[f64]) -> Vec<f64>,
+    rhs: &[f64],
+    diagonal: &[f64],
+    watcher: &dyn Watcher,
+) -> Vec<f64> {
     let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
     let precondition = |r: &[f64]| -> Vec<f64> {
         r.iter().zip(diagonal).map(|(r, d)| if *d > 0.0 { r / d } else { 0.0 }).collect()
@@ -242,7 +253,7 @@ fn gradients(apply: impl Fn(&[f64]) -> Vec<f64>, rhs: &[f64], diagonal: &[f64]) 
     let mut rz = dot(&r, &z);
     let stop = 1e-24 * rz;
     for _ in 0..100 {
-        if rz <= stop || rz == 0.0 {
+        if rz <= stop || rz == 0.0 || watcher.cancelled() {
             break;
         }
         let ap = apply(&p);
@@ -265,13 +276,16 @@ fn gradients(apply: impl Fn(&[f64]) -> Vec<f64>, rhs: &[f64], diagonal: &[f64]) 
 }
 
 /// Symmetric diagonal scaling until every row closes to 1e-10; false where that takes more sweeps than these.
-fn scale(x: &mut Symmetric, areas: &[f64], sweeps: usize) -> bool {
+fn scale(x: &mut Symmetric, areas: &[f64], sweeps: usize, watcher: &dyn Watcher) -> bool {
     let n = areas.len();
     for _ in 0..sweeps {
         let sums: Vec<f64> = (0..n).into_par_iter().map(|i| x.sum(i)).collect();
         let worst = (0..n).map(|i| (sums[i] / areas[i] - 1.0).abs()).fold(0.0, f64::max);
         if worst < 1e-10 {
             return true;
+        }
+        if watcher.cancelled() {
+            return false;
         }
         let d: Vec<f64> =
             (0..n).map(|i| if sums[i] > 0.0 { (areas[i] / sums[i]).sqrt() } else { 1.0 }).collect();

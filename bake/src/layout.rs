@@ -10,6 +10,7 @@ use glam::{DVec3, Vec2, Vec3};
 
 use crate::directions::{Sobol, hash_of, in_triangle};
 use crate::receiver::Place;
+use crate::{BakeError, Watcher};
 use crate::{chart, cut, patch, receiver, split, surface};
 
 /// Points at which a patch's direct light is sampled.
@@ -53,13 +54,25 @@ pub fn area(surface: &surface::Surface) -> f64 {
 }
 
 /// `length`: of patches where the density is 1, metres.
-pub fn layout(scene: &Scene, assets: &Assets, surface: &surface::Surface, length: f64) -> Layout {
-    let mut layout = divide(scene, surface, length);
+pub fn layout(
+    scene: &Scene,
+    assets: &Assets,
+    surface: &surface::Surface,
+    length: f64,
+    watcher: &dyn Watcher,
+) -> Result<Layout, BakeError> {
+    let mut layout = divide(scene, surface, length, watcher)?;
     crate::holes::shrink_patches(&mut layout.transport, &mut layout.rays, scene, assets);
-    layout
+    Ok(layout)
 }
 
-fn divide(scene: &Scene, surface: &surface::Surface, length: f64) -> Layout {
+fn divide(
+    scene: &Scene,
+    surface: &surface::Surface,
+    length: f64,
+    watcher: &dyn Watcher,
+) -> Result<Layout, BakeError> {
+    let go_on = || if watcher.cancelled() { Err(BakeError::Cancelled) } else { Ok(()) };
     let length = length / surface.unit;
     let spacing = length * 0.5;
     let mut charts = chart::charts(surface);
@@ -68,12 +81,18 @@ fn divide(scene: &Scene, surface: &surface::Surface, length: f64) -> Layout {
         let vertex = charts.charts[id as usize].outline.first().map_or(0, |edge| edge[0]);
         spacing / f64::from(charts.densities[vertex as usize]).max(1e-3)
     };
+    go_on()?;
     let cuts = cut::cuts(surface, &charts, size);
-    let fine = split::split(surface, &charts, &cuts, spacing);
+    go_on()?;
+    let fine = split::split(surface, &charts, &cuts, spacing, watcher);
+    go_on()?;
     let links = patch::links(&fine, &surface.batches);
+    go_on()?;
     let groups = patch::group(&fine, &links, length);
+    go_on()?;
     let receivers = receiver::receivers(&fine, &links, &surface.batches, spacing);
-    assemble(scene, surface, &fine, &groups, receivers)
+    go_on()?;
+    Ok(assemble(scene, surface, &fine, &groups, receivers))
 }
 
 /// Sizes of neighbouring vertices differ by at most 0.4 of their distance: no patch stands beside one many

@@ -272,7 +272,7 @@ pub fn plan(project: &Path, scene: Option<&str>, settings: &Settings) -> Result<
     let key = transport_key(project, &opened.scene, &with);
     let baked = file::load_certificate(&file::path(project, &opened.name));
     let is_current = baked.is_ok_and(|certificate| certificate.key == key);
-    let layout = layout::layout(&opened.scene, &opened.assets, &opened.surface, with.length);
+    let layout = layout::layout(&opened.scene, &opened.assets, &opened.surface, with.length, &Silent)?;
     let transport = &layout.transport;
     let rows = transport.patches.len() + transport.receivers.len();
     let rays =

@@ -62,7 +62,7 @@ pub fn make(
 ) -> Result<(Transport, Vec<Warning>), BakeError> {
     watcher.stage("patches and receivers", 1);
     let Layout { mut transport, rays, dropped_triangles, warnings, .. } =
-        layout(scene, assets, surface, with.length);
+        layout(scene, assets, surface, with.length, watcher)?;
     watcher.advance(1, 0);
 
     let holes = AlphaHoles::new(&transport.surface, scene, assets);
@@ -78,7 +78,7 @@ pub fn make(
 
     watcher.stage("balance", 1);
     let (rows, targets, balance) =
-        balanced_rows(&patch_hits, with.rays, &rays.patch_areas, &emitters, &patches_towards);
+        balanced_rows(&patch_hits, with.rays, &rays.patch_areas, &emitters, &patches_towards, watcher)?;
     transport.patch_from_patch = rows;
     transport.patches.iter_mut().zip(targets).for_each(|(patch, target)| patch.target = target);
     transport.receiver_from_patch = receiver_rows(&receiver_hits, with.rays, &emitters, &receivers_towards);

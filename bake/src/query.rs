@@ -293,7 +293,7 @@ struct Place {
     back: bool,
     barycentric: [f32; 2],
     position: Vec3,
-    /// Of its side.
+    /// As it was asked for, within 30 degrees of the face's.
     normal: Vec3,
 }
 

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use spade::handles::FixedVertexHandle;
 use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
 
+use crate::Watcher;
 use crate::chart::{Affine, Chart, Charts};
 use crate::cut::{Cuts, contact, foot};
 use crate::surface::{Corner, Surface};
@@ -30,12 +31,15 @@ pub struct FineTriangle {
     pub cut: [bool; 3],
 }
 
-/// `size`: the length of pieces where the density is 1, in scaled units.
-pub fn split(surface: &Surface, charts: &Charts, cuts: &Cuts, size: f64) -> Fine {
+/// `size`: the length of pieces where the density is 1, in scaled units. Told to stop, it gives what it has.
+pub fn split(surface: &Surface, charts: &Charts, cuts: &Cuts, size: f64, watcher: &dyn Watcher) -> Fine {
     let ends = ends_on_edges(charts, cuts, size);
     let pieces: Vec<Fine> = (0..charts.charts.len())
         .into_par_iter()
         .map(|id| {
+            if watcher.cancelled() {
+                return Fine::default();
+            }
             split_chart(
                 surface,
                 charts,
