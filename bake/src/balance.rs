@@ -51,7 +51,7 @@ pub fn balanced_rows(
 ) -> Result<(Rows, Vec<f32>, Balance), BakeError> {
     let mut pooled = pool(hits, rays, areas, emitters, towards);
     let mut balance = Balance { defect_raw: defect(&pooled, areas), ..Balance::default() };
-    blacken(&mut pooled, areas);
+    blacken(&mut pooled, areas, |i| f64::from(hits.lost[i]) > 0.999 * f64::from(rays));
     for _ in 0..8 {
         least_squares(&mut pooled, areas, watcher);
         let closes = scale(&mut pooled, areas, 16, watcher);
@@ -63,7 +63,11 @@ pub fn balanced_rows(
         }
     }
     balance.defect = defect(&pooled, areas);
-    let kept = |i: usize| 1.0 - (pooled.lost[i] / areas[i]).clamp(0.0, 1.0);
+    let kept = |i: usize| match 1.0 - pooled.lost[i] / areas[i] {
+        // The difference has no digits left: the sum of the little there is has.
+        kept if kept < 1e-3 => (pooled.light(i) / areas[i]).min(1e-3),
+        kept => kept.min(1.0),
+    };
     let targets: Vec<f32> = (0..areas.len()).map(|i| kept(i) as f32).collect();
     Ok((store(&pooled, areas, &targets), targets, balance))
 }
@@ -75,6 +79,12 @@ impl Symmetric {
 
     fn sum(&self, i: usize) -> f64 {
         self.values[self.range(i)].iter().sum::<f64>() + self.slack(i)
+    }
+
+    /// The sum without what is lost.
+    fn light(&self, i: usize) -> f64 {
+        let sky = self.sky[i].iter().map(|sky| sky.1).sum::<f64>();
+        self.values[self.range(i)].iter().sum::<f64>() + sky
     }
 
     /// To the sky and lost.
@@ -184,9 +194,10 @@ fn merge<T>(
     }
 }
 
-/// Patches that see almost nothing but back faces reflect nothing and are seen by nobody.
-fn blacken(x: &mut Symmetric, areas: &[f64]) {
-    let black: Vec<bool> = (0..areas.len()).map(|i| x.sum(i) - x.lost[i] < 1e-3 * areas[i]).collect();
+/// Patches inside a solid, which see almost nothing but back faces, reflect nothing and are seen by nobody. One
+/// whose light leaves the scene instead may still be most of what a small patch sees.
+fn blacken(x: &mut Symmetric, areas: &[f64], is_inside: impl Fn(usize) -> bool) {
+    let black: Vec<bool> = (0..areas.len()).map(is_inside).collect();
     for i in 0..areas.len() {
         for k in x.range(i) {
             if black[i] || black[x.columns[k] as usize] {

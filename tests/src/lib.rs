@@ -22,3 +22,4 @@ pub fn shared() -> Option<PathBuf> {
 
 pub mod picture;
 pub mod room;
+pub mod surfaces;
