@@ -130,8 +130,8 @@ impl Bvh {
         if length <= 4.0 * self.offset {
             return true;
         }
-        let end = 1.0 - 4.0 * self.offset / length;
-        self.free(origin, direction, end, chance, holes)
+        // Of unit length: in shares of the way to a far light, the boxes that are too near would reach far.
+        self.free(origin, direction / length, length - 4.0 * self.offset, chance, holes)
     }
 
     fn free(&self, origin: Vec3, direction: Vec3, end: f32, chance: f32, holes: &dyn Holes) -> bool {
@@ -224,6 +224,19 @@ mod tests {
                         bvh.closest(Vec3::new(0.013, 0.021, -0.017), Vec3::ZERO, direction, 0.0, &Solid);
                     assert!(hit.is_some_and(|hit| !hit.back), "{direction}: {hit:?}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_close_hides_what_is_far() {
+        let wall = [Vec3::new(0.0, -1.0, -1.0), Vec3::new(0.0, 1.0, -1.0), Vec3::new(0.0, 0.0, 1.0)];
+        let bvh = Bvh::new(&[wall], Vec::new());
+        for distance in [1e-5, 1e-4, 1e-3, 0.1] {
+            for far in [1.0, 100.0] {
+                let (from, to) = (Vec3::X * distance, Vec3::NEG_X * far);
+                assert!(!bvh.visible(from, Vec3::ZERO, to, 0.0, &Solid), "{distance} {far}");
+                assert!(bvh.visible(from, Vec3::ZERO, -to, 0.0, &Solid), "{distance} {far}");
             }
         }
     }

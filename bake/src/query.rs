@@ -235,11 +235,11 @@ impl Query {
         } else {
             self.materials.exitance[patch as usize].as_dvec3()
         };
-        (emitted, self.leaving(tracer, &hit, patch))
+        (emitted, self.leaving(tracer, position, &hit, patch))
     }
 
-    /// What a hit reflects.
-    fn leaving(&self, tracer: &Tracer, hit: &Hit, patch: u32) -> DVec3 {
+    /// What a hit reflects towards where it was seen from.
+    fn leaving(&self, tracer: &Tracer, seen_from: Vec3, hit: &Hit, patch: u32) -> DVec3 {
         let albedo = self.materials.albedo[patch as usize].as_dvec3();
         if albedo == DVec3::ZERO {
             return DVec3::ZERO;
@@ -247,6 +247,9 @@ impl Query {
         let [a, b, c] = self.rays.triangles[hit.triangle as usize];
         let [v, w] = hit.barycentric;
         let at = a + (b - a) * v + (c - a) * w;
+        // At the foot of a wall without thickness it may be rounded into the wall: back to where it was seen from.
+        let way = seen_from - at;
+        let at = at + way.normalize_or_zero() * (16.0 * f32::EPSILON * self.extent).min(0.5 * way.length());
         let normal = (b - a).cross(c - a).normalize_or_zero() * if hit.back { -1.0 } else { 1.0 };
         let (direct, indirect) = self.blended(hit.triangle, hit.back, hit.barycentric);
         albedo * (direct + indirect + self.punctual(tracer, at, normal))

@@ -56,20 +56,7 @@ impl Triangle {
 
 /// Is this entity baked: static, visible (its ancestors too) and drawn?
 pub fn is_baked(scene: &Scene, entity: &Entity) -> bool {
-    entity.is_static && entity.mesh.is_some() && !is_hidden(scene, entity)
-}
-
-fn is_hidden(scene: &Scene, entity: &Entity) -> bool {
-    let mut at = Some(entity);
-    let mut steps = 0;
-    while let Some(entity) = at {
-        if entity.hidden {
-            return true;
-        }
-        steps += 1;
-        at = entity.parent.filter(|_| steps <= scene.entities.len()).and_then(|parent| scene.entity(parent));
-    }
-    false
+    entity.is_static && entity.mesh.is_some() && !scene.is_hidden(entity)
 }
 
 /// Gathers all static triangles. NaN and infinity are refused with the entity's name.

@@ -75,6 +75,13 @@ impl Scene {
         EntityId(self.entities.iter().map(|entity| entity.id.0 + 1).max().unwrap_or(1))
     }
 
+    /// Is the entity hidden, or one that it stands under?
+    pub fn is_hidden(&self, entity: &Entity) -> bool {
+        let parent = |entity: &&Entity| entity.parent.and_then(|parent| self.entity(parent));
+        // No chain is longer than there are entities: a circle ends too.
+        std::iter::successors(Some(entity), parent).take(self.entities.len() + 1).any(|entity| entity.hidden)
+    }
+
     /// The camera to look through: the first that the hierarchy names.
     pub fn camera(&self) -> Option<(&Entity, &Camera)> {
         self.entities.iter().find_map(|entity| Some((entity, entity.camera.as_ref()?)))

@@ -36,14 +36,11 @@ pub fn transport_key(project: &Path, scene: &Scene, with: &BakeWith) -> String {
         if let Some(group) = &entity.light_probes {
             add("probes", format!("{place}{:?}{}", group.positions, entity.hidden).as_bytes());
         }
-        let Some(renderer) = &entity.mesh else {
-            add("hidden", format!("{:?}{:?}{}", entity.id, entity.parent, entity.hidden).as_bytes());
+        let Some(renderer) = entity.mesh.as_ref().filter(|_| entity.is_static && !scene.is_hidden(entity))
+        else {
             continue;
         };
-        if !entity.is_static {
-            continue;
-        }
-        add("mesh", format!("{place}{:?}{:?}{}", renderer.mesh, entity.parent, entity.hidden).as_bytes());
+        add("mesh", format!("{place}{:?}", renderer.mesh).as_bytes());
         add("density", format!("{:?}", renderer.density).as_bytes());
         if let MeshSource::File { file, .. } = &renderer.mesh {
             files.insert(file.clone());
