@@ -145,10 +145,20 @@ fn assemble(
     let mut rays = RayScene::default();
     let mut vertices = Vertices::default();
     let mut in_batch: HashMap<u32, u64> = HashMap::new();
+    // A sliver that has no area left in f32 can be neither hit nor sampled.
+    let has_area = |&&t: &&u32| {
+        let corners = fine.triangles[t as usize].corners;
+        let [a, b, c] = corners.map(|corner| fine.corners[corner as usize].position.as_vec3());
+        (b - a).cross(c - a).length() > 0.0
+    };
     for group in groups {
+        let group: Vec<u32> = group.iter().filter(has_area).copied().collect();
+        if group.is_empty() {
+            continue;
+        }
         let first = rays.triangles.len();
         let batch = fine.triangles[group[0] as usize].batch;
-        for &t in group {
+        for &t in &group {
             let triangle = &fine.triangles[t as usize];
             let corners: [u32; 3] = std::array::from_fn(|k| {
                 let node = receivers.node_of[t as usize][k];

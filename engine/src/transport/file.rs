@@ -103,7 +103,9 @@ fn write(path: &Path, transport: &Transport) -> std::io::Result<u64> {
     let json = serde_json::to_vec(&header).map_err(std::io::Error::other)?;
     let folder = path.parent().unwrap_or(Path::new("."));
     std::fs::create_dir_all(folder)?;
-    let file = tempfile::NamedTempFile::new_in(folder)?;
+    // Not `NamedTempFile::new_in`, whose files nobody but their owner may read.
+    let create = |path: &Path| std::fs::File::options().write(true).create_new(true).open(path);
+    let file = tempfile::Builder::new().make_in(folder, create)?;
     let mut out =
         Hashing { file: BufWriter::with_capacity(1 << 20, file), hasher: blake3::Hasher::new(), at: 0 };
     out.put(MAGIC)?;
