@@ -353,3 +353,42 @@ fn add_probes(scene: &Scene, source: &surface::Surface, transport: &mut Transpor
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use engine::scene::{Entity, EntityId, MeshRenderer, MeshSource, Transform, shape::Shape};
+
+    #[test]
+    fn patches_tile_their_surfaces_at_every_length() {
+        let mesh = MeshSource::Shape(Shape::Plane);
+        let renderer = MeshRenderer {
+            mesh: mesh.clone(),
+            materials: Vec::new(),
+            casts_shadows: true,
+            density: Default::default(),
+            reflection: Default::default(),
+        };
+        let transform = Transform {
+            scale: DVec3::new(0.5592, 1.0, 0.5488),
+            rotation: glam::DQuat::from_rotation_x(0.7),
+            ..Transform::default()
+        };
+        let plane =
+            Entity { id: EntityId(1), is_static: true, mesh: Some(renderer), transform, ..Entity::default() };
+        let scene = Scene { entities: vec![plane], ..Scene::default() };
+        let mut assets = Assets::default();
+        assets.meshes.insert(mesh, std::sync::Arc::new(engine::scene::shape::mesh(Shape::Plane)));
+        let surface = surface::sanitise(&scene, &assets).unwrap();
+        for step in 0..60 {
+            let length = 0.02 + 0.0013 * f64::from(step);
+            let layout = layout(&scene, &assets, &surface, length, &crate::Silent).unwrap();
+            let covered: f64 = layout.transport.patches.iter().map(|patch| f64::from(patch.area)).sum();
+            assert!(
+                (covered / area(&surface) - 1.0).abs() < 1e-5,
+                "{length}: {covered} of {}",
+                area(&surface)
+            );
+        }
+    }
+}

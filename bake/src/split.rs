@@ -297,8 +297,9 @@ fn is_clear(cdt: &Cdt, p: DVec2, step: f64) -> bool {
     far_from_edges && face.vertices().iter().all(|vertex| vertex.data().flat.distance(p) > 0.6 * step)
 }
 
+/// In one of the triangles; on a side that two of them share counts, whatever rounding says.
 fn inside(corners: &[[DVec2; 3]], p: DVec2) -> bool {
-    corners.iter().any(|c| (0..3).all(|k| (c[(k + 1) % 3] - c[k]).perp_dot(p - c[k]) >= 0.0))
+    corners.iter().any(|c| (0..3).all(|k| (c[(k + 1) % 3] - c[k]).perp_dot(p - c[k]) >= -1e-12))
 }
 
 /// The triangles inside the chart, with their attributes.

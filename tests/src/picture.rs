@@ -1,6 +1,7 @@
 //! Pictures without a window, for tests.
 
-use std::sync::Arc;
+use std::cell::RefCell;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use engine::gpu::{Gpu, texture};
 use engine::render::{Drawn, Eye, Now, Renderer, Settings, View};
@@ -9,8 +10,19 @@ use engine::scene::{Scene, world_from_local};
 use engine::transport::Transport;
 use glam::Vec3;
 
-/// `None`, said in one line, where the machine has no GPU adapter at all.
+/// Held by the one test that draws.
+static TURN: Mutex<()> = Mutex::new(());
+
+thread_local! {
+    static MINE: RefCell<Option<MutexGuard<'static, ()>>> = const { RefCell::new(None) };
+}
+
+/// `None`, said in one line, where the machine has no GPU adapter at all. Tests draw one after the other: a driver
+/// was seen to hang when sixteen of them made devices at once. The turn ends with the test's thread.
 pub fn gpu() -> Option<Gpu> {
+    MINE.with_borrow_mut(|mine| {
+        mine.get_or_insert_with(|| TURN.lock().unwrap_or_else(PoisonError::into_inner));
+    });
     match Gpu::headless() {
         Ok(gpu) => Some(gpu),
         Err(engine::gpu::GpuError::NoAdapter) => {
