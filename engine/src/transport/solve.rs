@@ -252,15 +252,20 @@ pub fn cavity_gain(system: &System) -> Vec<DVec3> {
 /// Closed components whose gain would exceed this have their albedo limited.
 pub const GAIN_LIMIT: f64 = 1e4;
 
-/// Limits the albedo of closed components so that their cavity gain stays at [`GAIN_LIMIT`], and returns those
-/// components. Gain is at least the area-mean bound A / Sum A_i (1 - rho_i t_i), and exactly 1/(1 - rho) where
-/// albedo is uniform; a cap c on the albedo that makes that bound 1e4 is found by bisection.
+/// Limits albedo where light would be multiplied by more than [`GAIN_LIMIT`], and returns the components in which it
+/// did. A closed component whose area mean of the gain, A / Sum A_i (1 - rho_i t_i), is beyond the limit has its albedo
+/// capped so that this is 1e4, which is exact where albedo is uniform. What is still beyond it (a pocket that hardly
+/// leaks into the rest) is capped at 1 - 1e-4: w_i = 1 + rho_i Sum P_ij w_j is then at most 1e4 wherever it is largest.
 pub fn limit_gain(rows: &Rows, patches: &[Patch], albedo: &mut [Vec3]) -> Vec<u32> {
     let components = patches.iter().map(|patch| patch.component + 1).max().unwrap_or(0);
     let mut members: Vec<Vec<usize>> = vec![Vec::new(); components as usize];
     patches.iter().enumerate().for_each(|(i, patch)| members[patch.component as usize].push(i));
     let kept: Vec<f64> =
         (0..patches.len()).into_par_iter().map(|i| patch_sum(rows, patches.len(), i)).collect();
+    let most = 1.0 - 1.0 / GAIN_LIMIT;
+    if (0..patches.len()).all(|i| f64::from(albedo[i].max_element()) * kept[i] <= most) {
+        return Vec::new(); // no row can multiply by more
+    }
     let mut limited = Vec::new();
     for (component, members) in members.iter().enumerate() {
         let gain = |channel: usize, cap: f64| {
@@ -291,6 +296,17 @@ pub fn limit_gain(rows: &Rows, patches: &[Patch], albedo: &mut [Vec3]) -> Vec<u3
             }
         }
     }
+    let w = cavity_gain(&System { rows, patches, albedo });
+    for i in 0..patches.len() {
+        // A gain that is negative or not finite is one that could not be solved for.
+        let bearable = |channel: usize| (0.0..=1.0001 * GAIN_LIMIT).contains(&w[i][channel]);
+        if !(0..3).all(bearable) {
+            albedo[i] = albedo[i].min(Vec3::splat(most as f32));
+            limited.push(patches[i].component);
+        }
+    }
+    limited.sort_unstable();
+    limited.dedup();
     limited
 }
 
