@@ -88,9 +88,7 @@ pub enum BakeError {
     Transport(#[from] TransportError),
     #[error("cancelled; what was traced so far is kept and the next bake goes on from there")]
     Cancelled,
-    #[error(
-        "scene `{scene}` has no bake at quality {quality}: run `hohlraum-bake {project} --scene {scene}`"
-    )]
+    #[error("scene `{scene}` has no bake: run `hohlraum-bake {project} --scene {scene} --quality {quality}`")]
     Missing { project: String, scene: String, quality: String },
     #[error("the bake of scene `{scene}` is stale ({why}): run `hohlraum-bake {project} --scene {scene}`")]
     Stale { project: String, scene: String, why: String },
