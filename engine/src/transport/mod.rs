@@ -23,6 +23,7 @@ pub mod direct;
 pub mod file;
 pub mod key;
 pub mod materials;
+pub mod reflection;
 pub mod rows;
 pub mod sh;
 pub mod sky;
