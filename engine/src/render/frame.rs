@@ -203,6 +203,7 @@ impl Renderer {
     pub fn draw(&mut self, now: &Now<'_>, display: &wgpu::Texture) -> Result<Drawn, RenderError> {
         let gpu = &*self.gpu.clone();
         self.bounce.receive();
+        self.reflections.receive();
         self.timer.receive();
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
 
@@ -241,6 +242,7 @@ impl Renderer {
         gpu.queue.submit([encoder.finish()]);
         self.timer.sent();
         self.bounce.sent();
+        self.reflections.sent();
         self.finish(gpu)?;
         drawn.bound = self.bound();
         Ok(drawn)
@@ -390,6 +392,7 @@ impl Renderer {
         }
         gpu.check()?;
         self.bounce.receive();
+        self.reflections.receive();
         self.timer.receive();
         Ok(())
     }

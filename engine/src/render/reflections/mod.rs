@@ -9,6 +9,7 @@
 pub mod capture;
 pub mod prefilter;
 mod schedule;
+mod settling;
 pub mod uses;
 
 use glam::DVec3;
@@ -20,11 +21,12 @@ use crate::gpu::shader::Library;
 use crate::gpu::{Gpu, GpuError, texture};
 use crate::scene::{EntityId, Material, ReflectionProbe};
 use crate::transport::reflection::influence::Influence;
-use crate::transport::reflection::{MOST_IN_CAPTURES, ROUGH, ggx};
+use crate::transport::reflection::{ROUGH, ggx};
 use capture::{Room, Set, Shown, Views};
 use prefilter::{Faces, Prefilter, Source, faces, levels};
 pub use schedule::Seen;
 use schedule::{Due, Schedule};
+use settling::Settling;
 use uses::{GpuReflectionProbe, Ranked, ReflectionUse};
 
 /// Texels across the table of [`ggx::table`].
@@ -45,6 +47,7 @@ pub struct Reflections {
     uses: Held<ReflectionUse>,
     reads: Vec<ReflectionUse>,
     views: Views,
+    settling: Settling,
     /// Counts arrays made.
     made: u64,
 }
@@ -92,6 +95,7 @@ impl Reflections {
             sky: SkyCube { source: None, seen: 0 },
             prefilter,
             views: Views::new(frame_layout),
+            settling: Settling::new(gpu, 2),
             table: split_sum(gpu),
             probes: Vec::new(),
             ranked: Ranked::default(),
@@ -178,7 +182,9 @@ impl Reflections {
         let most = probes.iter().map(|wanted| wanted.size).max();
         let any = with_sky || most.is_some();
         let size = if any { most.unwrap_or(SKY_SIZE) } else { 1 };
-        self.cubes = Cubes::new(gpu, size, (probes.len() as u32 + 1).max(2));
+        let count = (probes.len() as u32 + 1).max(2);
+        self.cubes = Cubes::new(gpu, size, count);
+        self.settling = Settling::new(gpu, count);
         let levels = levels(size);
         let source = |index, size| self.prefilter.source(gpu, size, levels, &self.cubes.harmonics, index);
         self.sky.seen = 0;
@@ -235,16 +241,35 @@ impl Reflections {
         self.views.clear();
         let mut captured = Captured::default();
         self.capture_sky(encoder, set, sky, &mut captured);
-        let rounds = schedule::rounds(most_reflected(set.scenery.materials));
         for probe in &mut self.probes {
-            probe.schedule.follow(probe.settings.refresh, seen, rounds);
+            probe.schedule.follow(probe.settings.refresh, seen);
         }
         let mut schedules: Vec<_> =
             self.probes.iter_mut().map(|probe| (&probe.settings, &mut probe.schedule)).collect();
+        let mut complete = Vec::new();
         for due in schedule::plan(&mut schedules, settled) {
-            self.capture_probe(encoder, set, &due, &mut captured);
+            if self.capture_probe(encoder, set, &due, &mut captured) {
+                complete.push(due.probe);
+            }
+        }
+        if !complete.is_empty() {
+            self.settling.copy(encoder, &self.cubes.harmonics, (complete, seen));
         }
         captured
+    }
+
+    /// After the submit.
+    pub fn sent(&mut self) {
+        self.settling.sent();
+    }
+
+    /// Takes in what captures came to: those that do not differ from the ones before are the last.
+    pub fn receive(&mut self) {
+        for (probe, seen) in self.settling.settled() {
+            if let Some(probe) = self.probes.get_mut(probe) {
+                probe.schedule.settle(seen);
+            }
+        }
     }
 
     fn capture_sky(
@@ -274,7 +299,7 @@ impl Reflections {
         set: &mut Set<'_>,
         due: &Due,
         captured: &mut Captured,
-    ) {
+    ) -> bool {
         let probe = &mut self.probes[due.probe];
         let shown = match (due.on_top, probe.settings.refresh) {
             (_, crate::scene::Refresh::Baked) => Shown::Still,
@@ -290,9 +315,11 @@ impl Reflections {
             captured.draws += probe.room.take(set, &mut self.views, encoder, face, place, into, shown);
             captured.faces += 1;
         }
-        if probe.schedule.took(due) {
+        let complete = probe.schedule.took(due);
+        if complete {
             self.prefilter.run(encoder, set.timer, &probe.source, &self.cubes.faces[due.probe + 1]);
         }
+        complete
     }
 }
 
@@ -335,15 +362,6 @@ fn wanted<'a>(now: &Now<'a>, instances: &Instances, origin: DVec3) -> (Vec<Wante
 /// Shows reflections.
 pub fn is_smooth(material: &Material) -> bool {
     !material.unlit && (material.roughness < ROUGH || material.metallic_roughness_texture.is_some())
-}
-
-/// The largest share that any smooth material mirrors, roughly.
-fn most_reflected(materials: &super::materials::Materials) -> f32 {
-    let share = |material: &Material| {
-        let metal = material.metallic * material.albedo.color.max_element();
-        metal.max(0.1).min(MOST_IN_CAPTURES)
-    };
-    materials.all().filter(|material| is_smooth(material)).map(share).fold(0.0, f32::max)
 }
 
 fn split_sum(gpu: &Gpu) -> wgpu::TextureView {
