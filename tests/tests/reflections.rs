@@ -289,15 +289,17 @@ fn light_between_two_mirrors_stays_bounded_and_settles() {
         scene.materials[wall].roughness = 0.0;
     }
     scene.materials[4].emission.color = Vec3::ONE;
-    add_probe(&mut scene, 800, centre() - DVec3::new(0.9, 0.0, 0.0), room_probe(32));
+    let probe = ReflectionProbe { offset: Vec3::new(0.9, 0.0, 0.0), ..room_probe(32) };
+    add_probe(&mut scene, 800, centre() - DVec3::new(0.9, 0.0, 0.0), probe);
     let eye = Eye::looking(centre(), centre() + DVec3::new(-1.0, 0.1, 0.2));
-    let mut studio = studio(gpu, transport, eye, 32);
+    let mut studio = studio(gpu, transport, eye, 64);
     let mut frames: Vec<Vec<Vec3>> = Vec::new();
     let mut captures = Vec::new();
     for _ in 0..80 {
         captures.push(studio.draw(&scene, View::Composite).captures);
         frames.push(studio.radiance());
     }
+    studio.save(std::path::Path::new("/tmp/mirrors.png"));
     let most = |frame: &[Vec3]| frame.iter().map(|r| r.max_element()).fold(0.0, f32::max);
     assert!(frames.iter().all(|frame| most(frame).is_finite() && most(frame) <= 1.0 / (1.0 - 0.9)));
     let apart = |a: &[Vec3], b: &[Vec3]| {
@@ -308,7 +310,7 @@ fn light_between_two_mirrors_stays_bounded_and_settles() {
         assert!(*change <= 10.0 * 0.9_f32.powi(frame as i32 - 5) + 2e-3, "frame {frame}: {change}");
     }
     assert_eq!(captures[75..], [0; 5], "nothing changes any more");
-    assert!(captures[..10].iter().all(|&faces| faces == 6), "{captures:?}");
+    assert!(captures[..5].iter().all(|&faces| faces == 6), "{captures:?}");
 }
 
 // ---- when captures happen

@@ -8,7 +8,7 @@ use crate::gpu::Gpu;
 use crate::gpu::buffer::Readback;
 
 /// Of a cubemap's largest coefficient: less is no change.
-const TOLERANCE: f32 = 1e-3;
+const TOLERANCE: f32 = 2e-4;
 
 pub struct Settling {
     /// Probes that were captured, and what they saw.
