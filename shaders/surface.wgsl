@@ -1,7 +1,7 @@
 // Surfaces: direct light from punctual lights with shadows, and what receivers (or light probes, for what
 // moves) say of the rest. Lambert for diffuse light, so that pictures agree with the transport to the last
 // digit; GGX (Walter et al. 2007, height-correlated Smith by Heitz 2014) with Schlick's Fresnel on top.
-#import hohlraum::frame::{frame, to_eye, COMPOSITE, DIRECT, INDIRECT, ALBEDO}
+#import hohlraum::frame::{frame, to_eye, drawn, COMPOSITE, DIRECT, INDIRECT, ALBEDO}
 #import hohlraum::scene::mesh::{Still, Moving, moved, moved_normal, moved_tangent}
 #import hohlraum::scene::material::{material, base_color, metal, emission_at, bump, is, mapped, MASK, BLEND, UNLIT}
 #import hohlraum::scene::light::{lights, arrival, visible}
@@ -190,7 +190,7 @@ fn shade(point: Point, @builtin(front_facing) front: bool) -> @location(0) vec4f
     if is(MASK) && here.alpha < material.cutoff {
         discard;
     }
-    return vec4f(seen(here), select(1.0, here.alpha, is(BLEND)));
+    return vec4f(drawn(seen(here)), select(1.0, here.alpha, is(BLEND)));
 }
 
 fn seen(here: Surfel) -> vec3f {
