@@ -123,7 +123,8 @@ fn listen(device: &wgpu::Device) -> Arc<Mutex<Said>> {
         said.error.get_or_insert_with(|| error.to_string());
     }));
     let losses = said.clone();
-    device.set_device_lost_callback(move |_, message| {
+    device.set_device_lost_callback(move |reason, message| {
+        let message = if message.is_empty() { format!("{reason:?}").to_lowercase() } else { message };
         losses.lock().unwrap_or_else(PoisonError::into_inner).lost = Some(message);
     });
     said

@@ -97,26 +97,34 @@ impl Stage {
     /// What the picture came to, and how long it took without the wait for the display. `None`: the window shows
     /// nothing now.
     pub fn draw(&mut self, now: &Now<'_>) -> Result<Option<(Drawn, Duration)>, PlayError> {
-        use wgpu::CurrentSurfaceTexture as Current;
-        let picture = match self.surface.get_current_texture() {
-            Current::Success(picture) | Current::Suboptimal(picture) => picture,
-            Current::Timeout | Current::Occluded => return Ok(None),
-            Current::Outdated | Current::Validation => {
-                self.gpu.check()?;
-                self.surface.configure(&self.gpu.device, &self.config);
-                return Ok(None);
-            }
-            Current::Lost => {
-                self.gpu.check()?;
-                self.renew_surface()?;
-                return Ok(None);
-            }
-        };
+        let Some(picture) = self.next_picture()? else { return Ok(None) };
         let since = Instant::now();
         let drawn = self.renderer.draw(now, &picture.texture)?;
+        let took = since.elapsed();
         self.window.pre_present_notify();
         self.gpu.queue.present(picture);
-        Ok(Some((drawn, since.elapsed())))
+        Ok(Some((drawn, took)))
+    }
+
+    /// To draw into. A window that changed gets new ones, once.
+    fn next_picture(&mut self) -> Result<Option<wgpu::SurfaceTexture>, PlayError> {
+        use wgpu::CurrentSurfaceTexture as Current;
+        for _ in 0..2 {
+            match self.surface.get_current_texture() {
+                Current::Success(picture) | Current::Suboptimal(picture) => return Ok(Some(picture)),
+                Current::Timeout | Current::Occluded => return Ok(None),
+                Current::Outdated => {
+                    self.gpu.check()?;
+                    self.surface.configure(&self.gpu.device, &self.config);
+                }
+                Current::Validation | Current::Lost => {
+                    // Only now does a device that is lost say so.
+                    self.gpu.wait()?;
+                    self.renew_surface()?;
+                }
+            }
+        }
+        Ok(None)
     }
 
     /// The device is well, but the window's pictures are lost.

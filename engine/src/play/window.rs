@@ -32,6 +32,7 @@ pub fn run(options: &Options, world: World) -> Result<(), PlayError> {
         told: None,
         began: Instant::now(),
         hidden: false,
+        unshown: false,
         lost: 0,
         lose: LoseDevice::from_environment(),
         frames: 0,
@@ -62,8 +63,10 @@ struct Player<'a> {
     told: Option<Instant>,
     /// When the last picture was begun.
     began: Instant,
-    /// Nobody sees the window: nothing is drawn.
+    /// Other windows hide it, as the system says: nothing is drawn until it says otherwise.
     hidden: bool,
+    /// The last picture could not be shown: the next one waits a little.
+    unshown: bool,
     lost: u32,
     lose: LoseDevice,
     frames: u64,
@@ -108,10 +111,9 @@ impl Player<'_> {
         let world_from_local = self.show.placed();
         let now = self.show.now(&world_from_local);
         let eye = now.eye;
-        let Some((drawn, cpu)) = stage.draw(&now)? else {
-            self.hidden = true;
-            return Ok(());
-        };
+        let drawn = stage.draw(&now)?;
+        self.unshown = drawn.is_none();
+        let Some((drawn, cpu)) = drawn else { return Ok(()) };
         if let Some(path) = self.show.screenshot_due() {
             stage.photograph(&self.show.now(&world_from_local), &path)?;
             eprintln!("{}", path.display());
@@ -136,13 +138,12 @@ impl Player<'_> {
         let title = self.show.title();
         stage.window.set_title(&title);
         let mut lines = Vec::new();
-        if self.show.overlay {
+        if self.show.help {
+            lines.extend(KEYS.map(str::to_owned));
+        } else if self.show.overlay {
             let title = format!("{title} - {:.1} s", self.show.time());
             lines = overlay::told(&title, took, drawn, eye, &stage.renderer, &self.show.world);
             lines.push(format!("vsync {} - H lists the keys", if self.show.vsync { "on" } else { "off" }));
-        }
-        if self.show.help {
-            lines.extend(KEYS.map(str::to_owned));
         }
         let scale = stage.window.scale_factor().round().max(1.0) as u32;
         stage.renderer.overlay.show(lines, scale);
@@ -194,7 +195,7 @@ impl ApplicationHandler for Player<'_> {
             WindowEvent::CloseRequested => event_loop.exit(),
             WindowEvent::Occluded(hidden) => self.hidden = hidden,
             WindowEvent::Resized(size) => {
-                self.hidden = false;
+                self.unshown = false;
                 if let Some(stage) = &mut self.stage {
                     stage.resize(size.width, size.height);
                 }
@@ -229,9 +230,8 @@ impl ApplicationHandler for Player<'_> {
     /// The next picture at once where it is seen; a hidden window sleeps, and looks now and then.
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
         let Some(stage) = &self.stage else { return };
-        let slept = self.began.elapsed() >= NOW_AND_THEN;
-        if stage.is_seen() && (!self.hidden || slept) {
-            self.hidden = false;
+        let waits = self.unshown && self.began.elapsed() < NOW_AND_THEN;
+        if stage.is_seen() && !self.hidden && !waits {
             event_loop.set_control_flow(ControlFlow::Wait);
             stage.window.request_redraw();
         } else {
