@@ -20,6 +20,8 @@ struct Frame {
     pre_exposure: f32,
     /// The tone curve.
     curve: u32,
+    /// 1 for a reflection probe's camera.
+    capture: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -27,10 +29,11 @@ struct Frame {
 const COMPOSITE: u32 = 0u;
 const DIRECT: u32 = 1u;
 const INDIRECT: u32 = 2u;
-const ALBEDO: u32 = 3u;
-const NORMAL: u32 = 4u;
-const PATCHES: u32 = 5u;
-const DENSITY: u32 = 6u;
+const REFLECTION: u32 = 3u;
+const ALBEDO: u32 = 4u;
+const NORMAL: u32 = 5u;
+const PATCHES: u32 = 6u;
+const DENSITY: u32 = 7u;
 
 /// Views that show no light are neither exposed nor bent.
 const AS_IT_IS: u32 = 0u;

@@ -106,7 +106,7 @@ fn on_or_off(text: &str) -> Result<bool, String> {
 }
 
 /// Views that later versions bring.
-const LATER: [&str; 3] = ["reflection", "probes", "tetrahedra"];
+const LATER: [&str; 2] = ["probes", "tetrahedra"];
 
 fn view(text: &str) -> Result<View, String> {
     if LATER.contains(&text) {

@@ -65,7 +65,10 @@ fn work(drawn: &Drawn) -> [String; 2] {
             "light within {bound}, light bounces {}, dispatches {}",
             drawn.products, drawn.transport_dispatches
         ),
-        format!("draws {}, of these shadows {}", drawn.draws, drawn.shadow_draws),
+        format!(
+            "draws {}, of these shadows {}; captured faces {}",
+            drawn.draws, drawn.shadow_draws, drawn.captures
+        ),
     ]
 }
 

@@ -58,6 +58,7 @@ impl<'a> Statistics<'a> {
             "dispatches": each(|frame| json!(frame.transport_dispatches)),
             "products": each(|frame| json!(frame.products)),
             "draws": each(|frame| json!(frame.draws)),
+            "captures": each(|frame| json!(frame.captures)),
             "shadow_draws": each(|frame| json!(frame.shadow_draws)),
             "bound": each(|frame| json!(frame.bound)),
         }))

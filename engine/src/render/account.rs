@@ -66,7 +66,7 @@ impl Renderer {
     }
 
     /// Bytes on the GPU by kind.
-    pub fn bytes(&self) -> [(&'static str, u64); 9] {
+    pub fn bytes(&self) -> [(&'static str, u64); 10] {
         [
             ("rows", self.bounce.bytes() + self.gather.bytes()),
             ("light", self.spaces.bytes),
@@ -75,6 +75,7 @@ impl Renderer {
             ("meshes", self.meshes.bytes()),
             ("pictures", self.pictures.bytes),
             ("shadow maps", self.shadows.bytes()),
+            ("cubemaps", self.reflections.bytes()),
             ("targets", self.targets().map_or(0, Targets::bytes)),
             ("overlay", self.overlay.bytes()),
         ]
@@ -91,6 +92,9 @@ impl Renderer {
         }
         if !self.instances.any_moving() {
             left_out.push("light probes: nothing moves".to_owned());
+        }
+        if !self.reflections.any() {
+            left_out.push("reflection cubemaps: nothing smooth, or no probe and no sky".to_owned());
         }
         if self.coarse.bytes == 0 {
             left_out.push("coarse correction: few bounces count".to_owned());

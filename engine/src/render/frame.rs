@@ -22,12 +22,14 @@ use super::meshes::{Meshes, StillBuffers};
 use super::overlay::Overlay;
 use super::patches::Patches;
 use super::pictures::Pictures;
+use super::reflections::capture::Set;
+use super::reflections::{Captured, Reflections, Seen};
 use super::rows::{self, PagedRows, Summed};
 use super::shadow::{Casters, Shadows};
 use super::sky::SkyPass;
 use super::sources::Sources;
 use super::spaces::Spaces;
-use super::surface::{Scenery, Surfaces};
+use super::surface::{Look, Scenery, Surfaces, Which};
 use super::targets::{self, Targets};
 use super::tonemap::{self, Tonemap};
 use super::view::{Eye, View};
@@ -72,6 +74,8 @@ pub struct Drawn {
     pub products: u32,
     pub draws: u32,
     pub shadow_draws: u32,
+    /// Faces of cubemaps.
+    pub captures: u32,
     /// The error of B is at most this share of the largest B: measured last, which is before this frame's last
     /// product. `None`: nothing was measured yet.
     pub bound: Option<f32>,
@@ -93,6 +97,8 @@ pub struct FrameUniform {
     pub encode: u32,
     pub pre_exposure: f32,
     pub curve: u32,
+    pub capture: u32,
+    pub padding: [u32; 3],
 }
 
 /// Products of a frame while the light changes, and of the first one, which starts from darkness.
@@ -121,6 +127,7 @@ pub struct Renderer {
     pub(super) bounce: Bounce,
     pub(super) coarse: Coarse,
     pub(super) gather: Gather,
+    pub(super) reflections: Reflections,
     pub(super) surfaces: Surfaces,
     pub(super) patches: Patches,
     pub(super) sky: SkyPass,
@@ -135,6 +142,9 @@ pub struct Renderer {
     pub(super) version: u64,
     /// Probes hold what is current.
     pub(super) probes_current: bool,
+    /// What captures show, and changes of the sky.
+    pub(super) seen: (Seen, u64),
+    moved: u64,
 }
 
 impl Renderer {
@@ -176,14 +186,8 @@ impl Renderer {
             bounce: Bounce::new(gpu_ref, library, page, patch_rows, summed, &spaces)?,
             coarse: Coarse::new(gpu_ref, library, &spaces)?,
             gather: Gather::new(gpu_ref, library, page, read_rows, summed, &spaces)?,
-            surfaces: Surfaces::new(
-                gpu_ref,
-                library,
-                frame_layout,
-                scene_layout,
-                materials.layout(),
-                &spaces,
-            )?,
+            reflections: Reflections::new(gpu_ref, library, frame_layout)?,
+            surfaces: Surfaces::new(gpu_ref, library, frame_layout, scene_layout, materials.layout())?,
             patches: Patches::new(gpu_ref, library, frame_layout)?,
             sky: SkyPass::new(gpu_ref, library, frame_layout, &pictures)?,
             exposure: Exposure::new(gpu_ref, library, frame_layout)?,
@@ -198,6 +202,8 @@ impl Renderer {
             target: None,
             version: 0,
             probes_current: false,
+            seen: (Seen::default(), 0),
+            moved: 0,
             transport,
             gpu,
         };
@@ -215,7 +221,7 @@ impl Renderer {
         let materials_changed = self.materials.update(gpu, now.assets, &mut self.pictures, now.scene);
         self.instances.update(gpu, now, &self.transport, &self.materials, &mut self.meshes);
         let lights = lights::placed(now, &self.instances, self.transport.origin);
-        self.sky.update(gpu, now.assets, &mut self.pictures, &now.scene.sky.kind, &lights);
+        let sky_changed = self.sky.update(gpu, now.assets, &mut self.pictures, &now.scene.sky.kind, &lights);
         let emitted = self.sources.update(gpu, now, materials_changed, &self.spaces, &mut self.coarse)?;
 
         // What the lights see.
@@ -226,19 +232,27 @@ impl Renderer {
             materials: &self.materials,
         };
         let shadowed = self.shadows.update(gpu, &mut encoder, &mut self.timer, &lights, &casters);
-        self.write_frame(gpu, now, display);
+        let uniform = self.write_frame(gpu, now, display);
 
         // Light on patches, then from patch to patch, then to receivers and probes.
         let changed = shadowed.changed || emitted.albedo || emitted.emission;
         let mut drawn = self.light(&mut encoder, changed, emitted.emission);
 
+        // What reflection probes see.
+        let stirred = shadowed.changed || materials_changed || drawn.transport_dispatches > 0;
+        self.follow(stirred, sky_changed);
+        let settled = drawn.transport_dispatches == 0;
+        let captured = self.reflect(gpu, &mut encoder, now, uniform, settled);
+        drawn.captures = captured.faces;
+
         // The picture.
         drawn.shadow_draws = shadowed.draws;
-        drawn.draws = shadowed.draws + self.paint(gpu, &mut encoder, now, display);
+        drawn.draws = shadowed.draws + captured.draws + self.paint(gpu, &mut encoder, now, display);
         self.timer.resolve(&mut encoder);
         gpu.queue.submit([encoder.finish()]);
         self.timer.sent();
         self.bounce.sent();
+        self.reflections.sent();
         self.exposure.sent();
         self.finish(gpu)?;
         drawn.bound = self.bound();
@@ -266,6 +280,47 @@ impl Renderer {
         // What moves no longer may come back after the light has changed.
         self.probes_current = moving;
         Drawn { transport_dispatches: dispatches, products, ..Drawn::default() }
+    }
+
+    /// Counts what captures show.
+    fn follow(&mut self, stirred: bool, sky_changed: bool) {
+        let (seen, sky) = &mut self.seen;
+        // The first sky is a change, too.
+        *sky += u64::from(sky_changed || *sky == 0);
+        seen.still += u64::from(stirred || sky_changed);
+        let moved = self.instances.signature();
+        seen.moving += u64::from(self.moved != moved);
+        self.moved = moved;
+    }
+
+    /// Reflection probes: who reads which, and the captures that are due.
+    fn reflect(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        now: &Now<'_>,
+        frame: FrameUniform,
+        settled: bool,
+    ) -> Captured {
+        self.reflections.update(gpu, now, &self.instances, self.transport.origin);
+        self.surfaces.bind(gpu, &self.spaces, &self.reflections);
+        let scenery = Scenery {
+            scene: self.shadows.scene_group(),
+            instances: &self.instances,
+            still: &self.still,
+            meshes: &self.meshes,
+            materials: &self.materials,
+        };
+        let mut set = Set {
+            gpu,
+            timer: &mut self.timer,
+            surfaces: &mut self.surfaces,
+            sky: &mut self.sky,
+            scenery: &scenery,
+            // Kept from picture to picture, however those are exposed.
+            frame: FrameUniform { view: View::Composite as u32, pre_exposure: 1.0, capture: 1, ..frame },
+        };
+        self.reflections.capture(encoder, &mut set, self.seen, settled)
     }
 
     /// Surfaces, sky and blended surfaces; exposure, tone curve, overlay. Returns the draws.
@@ -318,14 +373,21 @@ impl Renderer {
     /// Surfaces, sky, blended surfaces. Returns the draws.
     fn radiance(&mut self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, now: &Now<'_>) -> u32 {
         let Some(target) = &self.target else { return 0 };
+        let size = target.0.size;
         let scenery = Scenery {
-            frame: &self.frame_group,
             scene: self.shadows.scene_group(),
             instances: &self.instances,
             still: &self.still,
             meshes: &self.meshes,
             materials: &self.materials,
-            eye: (now.eye.position - self.transport.origin).as_vec3(),
+        };
+        let origin = self.transport.origin;
+        let look = Look {
+            frame: &self.frame_group,
+            clip_from_world: now.eye.clip_from_world(origin, size[0] as f32 / size[1].max(1) as f32),
+            eye: (now.eye.position - origin).as_vec3(),
+            samples: self.samples,
+            mirrored: false,
         };
         let mut pass = target.0.begin(encoder, self.timer.render("surface"));
         let mut draws = 0;
@@ -334,16 +396,17 @@ impl Renderer {
             draws +=
                 self.patches.draw(gpu, &mut pass, &self.frame_group, &self.transport, shown, self.samples);
         } else {
-            draws += self.surfaces.draw(gpu, &mut pass, &scenery, false, self.samples);
+            let all = Which { blended: false, still: true, moving: true };
+            draws += self.surfaces.draw(gpu, &mut pass, &scenery, &look, all);
             if now.view.shows_sky() {
                 draws += self.sky.draw(gpu, &mut pass, &self.frame_group, self.samples);
             }
-            draws += self.surfaces.draw(gpu, &mut pass, &scenery, true, self.samples);
+            draws += self.surfaces.draw(gpu, &mut pass, &scenery, &look, Which { blended: true, ..all });
         }
         draws
     }
 
-    fn write_frame(&self, gpu: &Gpu, now: &Now<'_>, display: &wgpu::Texture) {
+    fn write_frame(&self, gpu: &Gpu, now: &Now<'_>, display: &wgpu::Texture) -> FrameUniform {
         let aspect = display.width() as f32 / display.height().max(1) as f32;
         let origin = self.transport.origin;
         let (eye, [forward, right, up]) = now.eye.rays(origin, aspect);
@@ -361,8 +424,11 @@ impl Renderer {
             encode: u32::from(!display.format().is_srgb()),
             pre_exposure: if shows_light { exposure::pre_exposure(now.eye.exposure) } else { 1.0 },
             curve: tonemap::curve_of(now.view, now.eye.tonemap),
+            capture: 0,
+            padding: [0; 3],
         };
         gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
+        uniform
     }
 
     fn finish(&mut self, gpu: &Gpu) -> Result<(), RenderError> {
@@ -380,6 +446,7 @@ impl Renderer {
     /// Takes in what has come back from the GPU.
     fn receive(&mut self) {
         self.bounce.receive();
+        self.reflections.receive();
         self.timer.receive();
         self.exposure.receive();
     }

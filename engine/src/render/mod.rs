@@ -19,6 +19,7 @@ pub mod meshes;
 pub mod overlay;
 pub mod patches;
 pub mod pictures;
+pub mod reflections;
 pub mod rows;
 pub mod shaders;
 pub mod shadow;

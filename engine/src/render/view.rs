@@ -14,6 +14,8 @@ pub enum View {
     Direct,
     /// All that bounced.
     Indirect,
+    /// What comes from cubemaps, or stands in for it.
+    Reflection,
     Albedo,
     Normal,
     /// Each patch in a colour of its own.
@@ -23,10 +25,11 @@ pub enum View {
 }
 
 impl View {
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Composite,
         Self::Direct,
         Self::Indirect,
+        Self::Reflection,
         Self::Albedo,
         Self::Normal,
         Self::Patches,
@@ -38,6 +41,7 @@ impl View {
             Self::Composite => "composite",
             Self::Direct => "direct",
             Self::Indirect => "indirect",
+            Self::Reflection => "reflection",
             Self::Albedo => "albedo",
             Self::Normal => "normal",
             Self::Patches => "patches",
@@ -57,7 +61,7 @@ impl View {
 
     /// Shows light, which is exposed and goes through the tone curve; others show what they show.
     pub fn shows_light(self) -> bool {
-        matches!(self, Self::Composite | Self::Direct | Self::Indirect)
+        matches!(self, Self::Composite | Self::Direct | Self::Indirect | Self::Reflection)
     }
 
     /// Shows patches instead of surfaces.
