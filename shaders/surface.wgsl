@@ -1,7 +1,7 @@
 // Surfaces: direct light from punctual lights with shadows, and what receivers (or light probes, for what
 // moves) say of the rest. Lambert for diffuse light, so that pictures agree with the transport to the last
 // digit; GGX (Walter et al. 2007, height-correlated Smith by Heitz 2014) with Schlick's Fresnel on top.
-#import hohlraum::frame::{frame, to_eye, COMPOSITE, DIRECT, INDIRECT, REFLECTION, ALBEDO}
+#import hohlraum::frame::{frame, to_eye, drawn, COMPOSITE, DIRECT, INDIRECT, REFLECTION, ALBEDO}
 #import hohlraum::scene::mesh::{Still, Moving, moved, moved_normal, moved_tangent}
 #import hohlraum::scene::material::{material, base_color, metal, emission_at, bump, is, mapped, MASK, BLEND, UNLIT}
 #import hohlraum::scene::light::{lights, arrival, visible}
@@ -255,7 +255,8 @@ fn shade(point: Point, @builtin(front_facing) front: bool) -> @location(0) vec4f
         let plain = select(here.normal * 0.5 + 0.5, here.albedo, frame.view == ALBEDO);
         return vec4f(plain, 1.0) * select(1.0, here.alpha, is(BLEND));
     }
-    return radiance_of(here, select(1.0, here.alpha, is(BLEND)));
+    let seen = radiance_of(here, select(1.0, here.alpha, is(BLEND)));
+    return vec4f(drawn(seen.rgb), seen.a);
 }
 
 /// Radiance that is on its way to the eye, and what it covers: alpha thins out what leaves in all directions, and

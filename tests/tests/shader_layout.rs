@@ -4,10 +4,12 @@
 use std::mem::offset_of;
 
 use engine::render::coarse::CoarseUniform;
+use engine::render::exposure::{ExposureState, MeterUniform};
 use engine::render::frame::FrameUniform;
 use engine::render::gather::MeanUniform;
 use engine::render::lights::GpuLight;
 use engine::render::materials::{MapUniform, MaterialUniform};
+use engine::render::overlay::PanelUniform;
 use engine::render::reflections::prefilter::{PrefilterUniform, ProjectUniform};
 use engine::render::reflections::uses::{self, GpuReflectionProbe, ReflectionUse};
 use engine::render::rows::PageUniform;
@@ -52,8 +54,8 @@ macro_rules! fields {
 
 #[test]
 fn frame() {
-    let fields = fields!(FrameUniform: clip_from_world, eye, forward, time, right, exposure, up, lights, view,
-        encode, capture);
+    let fields = fields!(FrameUniform: clip_from_world, eye, forward, time, right, exposure, up, lights, view, encode,
+        pre_exposure, curve, capture);
     compare(shaders::SURFACE, "Frame", fields, size_of::<FrameUniform>());
 }
 
@@ -112,6 +114,16 @@ fn patches_and_samples() {
         ("normal", offset_of!(Sample, normal)),
     ];
     compare(shaders::DIRECT, "Sample", fields, size_of::<Sample>());
+}
+
+#[test]
+fn exposure_and_overlay() {
+    let fields = fields!(MeterUniform: size, step, kept, compensation, least, most);
+    compare(shaders::EXPOSURE, "Meter", fields, size_of::<MeterUniform>());
+    let fields = fields!(ExposureState: stops, exposure, pre_exposure);
+    compare(shaders::EXPOSURE, "Exposure", fields, size_of::<ExposureState>());
+    let fields = fields!(PanelUniform: size, scale, encode, display);
+    compare(shaders::OVERLAY, "Panel", fields, size_of::<PanelUniform>());
 }
 
 #[test]

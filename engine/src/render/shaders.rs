@@ -16,8 +16,10 @@ pub const IMPORTED: [Source; 8] = [
 ];
 
 /// One file a pass.
-pub const PASSES: [Source; 12] =
-    [SHADOW, DIRECT, BOUNCE, COARSE, GATHER, MEAN, PREFILTER, SURFACE, PATCHES, SKY, TONEMAP, MIPMAP];
+pub const PASSES: [Source; 14] = [
+    SHADOW, DIRECT, BOUNCE, COARSE, GATHER, MEAN, PREFILTER, SURFACE, PATCHES, SKY, EXPOSURE, TONEMAP,
+    OVERLAY, MIPMAP,
+];
 
 pub const SHADOW: Source = Source { name: "shadow", text: include_str!("../../../shaders/shadow.wgsl") };
 pub const DIRECT: Source =
@@ -35,7 +37,10 @@ pub const PREFILTER: Source =
 pub const SURFACE: Source = Source { name: "surface", text: include_str!("../../../shaders/surface.wgsl") };
 pub const PATCHES: Source = Source { name: "patches", text: include_str!("../../../shaders/patches.wgsl") };
 pub const SKY: Source = Source { name: "sky", text: include_str!("../../../shaders/sky.wgsl") };
+pub const EXPOSURE: Source =
+    Source { name: "exposure", text: include_str!("../../../shaders/exposure.wgsl") };
 pub const TONEMAP: Source = Source { name: "tonemap", text: include_str!("../../../shaders/tonemap.wgsl") };
+pub const OVERLAY: Source = Source { name: "overlay", text: include_str!("../../../shaders/overlay.wgsl") };
 pub const MIPMAP: Source = Source { name: "mipmap", text: include_str!("../../../shaders/mipmap.wgsl") };
 
 pub fn library() -> Result<Library, GpuError> {

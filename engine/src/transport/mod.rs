@@ -30,6 +30,7 @@ pub mod rows;
 pub mod sh;
 pub mod sky;
 pub mod solve;
+pub mod stale;
 pub mod surface;
 
 use bytemuck::{Pod, Zeroable};
