@@ -4,6 +4,7 @@ use std::f32::consts::PI;
 use std::sync::Arc;
 
 use engine::gpu::{Gpu, buffer, texture};
+use engine::render::reflections::baked::upload;
 use engine::render::reflections::prefilter::{Prefilter, faces, levels};
 use engine::render::{Eye, View, shaders};
 use engine::scene::mesh::Primitive;
@@ -374,22 +375,7 @@ fn prefiltered(gpu: &Gpu, size: u32, texels: &[Vec3]) -> (Vec<Cube>, Vec<Vec3>) 
     let prefilter = Prefilter::new(gpu, &mut library).unwrap();
     let harmonics = buffer::empty(gpu, "harmonics", 144, wgpu::BufferUsages::STORAGE);
     let source = prefilter.source(gpu, size, levels(size), &harmonics, 0);
-    for face in 0..6 {
-        let count = (size * size) as usize;
-        let halves: Vec<[u16; 4]> = texels[face * count..][..count]
-            .iter()
-            .map(|texel| texel.extend(1.0).to_array().map(texture::half))
-            .collect();
-        gpu.queue.write_texture(
-            wgpu::TexelCopyTextureInfo {
-                origin: wgpu::Origin3d { x: 0, y: 0, z: face as u32 },
-                ..source.texture.as_image_copy()
-            },
-            bytemuck::cast_slice(&halves),
-            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(size * 8), rows_per_image: None },
-            wgpu::Extent3d { width: size, height: size, depth_or_array_layers: 1 },
-        );
-    }
+    upload(gpu, &source.texture, &Cube::new(size as usize, texels.to_vec()));
     let cubes = texture::cubes(gpu, "cubes", size, 2, levels(size));
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     let mut timer = engine::gpu::timing::Timer::new(gpu);

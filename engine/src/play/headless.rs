@@ -20,6 +20,7 @@ pub fn run(options: &Options, mut world: World) -> Result<(), PlayError> {
     can_draw(&gpu, options.size)?;
     let settings = Settings { wait: true, unlimited_gain: world.unlimited_gain, ..Settings::default() };
     let mut renderer = Renderer::new(gpu.clone(), world.transport.clone(), &world.assets, settings)?;
+    renderer.give_cubemaps(world.cubemaps.load(&world.scene));
     let display = texture::target(&gpu, "display", options.size, 1, wgpu::TextureFormat::Rgba8UnormSrgb);
     let mut statistics = Statistics::new(options.stats.as_deref());
     let ended = draw_all(options, &mut world, &mut renderer, &display, &mut statistics);
@@ -51,6 +52,7 @@ fn draw_all(
             view: options.view,
         };
         let drawn = renderer.draw(&now, display)?;
+        world.after_frame(frame, renderer)?;
         let took = Took { frame: since.elapsed(), cpu: None };
         statistics.add(&drawn, took);
         if options.overlay {

@@ -64,7 +64,8 @@ impl Stage {
             unlimited_gain: world.unlimited_gain,
             ..Settings::default()
         };
-        let renderer = Renderer::new(gpu.clone(), world.transport.clone(), &world.assets, settings)?;
+        let mut renderer = Renderer::new(gpu.clone(), world.transport.clone(), &world.assets, settings)?;
+        renderer.give_cubemaps(world.cubemaps.load(&world.scene));
         Ok(Self { window, instance, surface, config, gpu, renderer })
     }
 

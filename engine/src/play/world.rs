@@ -7,7 +7,8 @@ use std::sync::Arc;
 use glam::{DAffine3, DVec3};
 
 use super::PlayError;
-use crate::render::Eye;
+use super::cubemaps::Cubemaps;
+use crate::render::{Eye, Renderer};
 use crate::scene::assets::{Assets, ClipSource};
 use crate::scene::import::load_assets;
 use crate::scene::motion::moved;
@@ -26,6 +27,8 @@ pub struct World {
     pub left_out: Vec<String>,
     /// Albedo as authored, however long light bounces.
     pub unlimited_gain: bool,
+    /// Of baked reflection probes, on disk.
+    pub cubemaps: Cubemaps,
     /// By entity: whether its light is on, as authored and as it was switched by hand.
     lit: Vec<bool>,
     /// Metres across all that is drawn at the start.
@@ -56,8 +59,31 @@ impl World {
         let unlimited_gain = settings.bake.unlimited_gain;
         let (size, default_eye) = ((high - low).length(), Eye::framing(low, high));
         let lit = scene.entities.iter().map(|entity| entity.light.as_ref().is_some_and(|l| l.on)).collect();
-        let world = Self { name, scene, assets, transport, left_out, unlimited_gain, lit, size, default_eye };
+        let cubemaps = Cubemaps::new(project, &name, &scene, &transport);
+        let world = Self {
+            name,
+            scene,
+            assets,
+            transport,
+            left_out,
+            unlimited_gain,
+            cubemaps,
+            lit,
+            size,
+            default_eye,
+        };
         Ok((world, warnings))
+    }
+
+    /// Keeps cubemaps that are finished; after the first frame, says which reflection probes show nothing.
+    pub fn after_frame(&self, frame: u64, renderer: &mut Renderer) -> Result<(), PlayError> {
+        if frame == 0 {
+            for (entity, message) in renderer.misplaced_probes() {
+                let name = self.scene.entity(entity).map_or("", |entity| &entity.name);
+                eprintln!("warning: reflection probe `{name}` shows nothing: {message}");
+            }
+        }
+        self.cubemaps.save(renderer)
     }
 
     /// `world_from_local` of every entity after so many seconds.

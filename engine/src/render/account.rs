@@ -1,12 +1,19 @@
 //! What a renderer says of itself: bound, bytes, what it leaves out; and its light, for tests and reports.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
+use glam::DVec3;
+
+use super::RenderError;
 use super::frame::{FrameUniform, Renderer};
+use super::reflections::sight::Sight;
 use super::spaces::Spaces;
 use super::targets::Targets;
 use crate::gpu::{Gpu, GpuError, buffer};
+use crate::scene::EntityId;
 use crate::transport::Transport;
+use crate::transport::reflection::Cube;
 
 /// How a picture was exposed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,6 +26,28 @@ impl Renderer {
     /// The error of B is at most this share of the largest B.
     pub fn bound(&self) -> Option<f32> {
         Some(self.bounce.measured?.bound(self.sources.known_gain()))
+    }
+
+    /// Cubemaps of baked reflection probes, from disk.
+    pub fn give_cubemaps(&mut self, cubes: HashMap<EntityId, Cube>) {
+        self.reflections.give(cubes);
+    }
+
+    /// Cubemaps of baked reflection probes that were captured since this was last asked.
+    pub fn finished_cubemaps(&mut self) -> Result<Vec<(EntityId, Cube)>, RenderError> {
+        Ok(self.reflections.finished(&self.gpu)?)
+    }
+
+    /// Reflection probes that show nothing, as they stand inside a solid: entity, and a better place.
+    pub fn misplaced_probes(&self) -> Vec<(EntityId, String)> {
+        let said = |(entity, sight, better): (EntityId, Sight, Option<DVec3>)| {
+            let seen = sight.backs * 100.0;
+            let remedy = better.map_or("move it out".to_owned(), |at| {
+                format!("move it, for instance to {:.2}, {:.2}, {:.2}", at.x, at.y, at.z)
+            });
+            (entity, format!("it stands inside a solid ({seen:.0} % of what it sees are backs): {remedy}"))
+        };
+        self.reflections.misplaced(self.transport.origin).map(said).collect()
     }
 
     pub fn gpu(&self) -> &Gpu {

@@ -105,6 +105,10 @@ pub struct FrameUniform {
 const PRODUCTS: u32 = 2;
 const FIRST_PRODUCTS: u32 = 16;
 
+/// What is captured once waits until the error of light is below this share: of light that always moves, it is
+/// never 0.
+const SOLVED: f32 = 0.02;
+
 /// Read back by those who ask how a picture was exposed.
 const FRAME: wgpu::BufferUsages = wgpu::BufferUsages::UNIFORM.union(wgpu::BufferUsages::COPY_SRC);
 
@@ -241,7 +245,7 @@ impl Renderer {
         // What reflection probes see.
         let stirred = shadowed.changed || materials_changed || drawn.transport_dispatches > 0;
         self.follow(stirred, sky_changed);
-        let settled = drawn.transport_dispatches == 0;
+        let settled = drawn.transport_dispatches == 0 || self.bound().is_some_and(|bound| bound <= SOLVED);
         let captured = self.reflect(gpu, &mut encoder, now, uniform, settled);
         drawn.captures = captured.faces;
 
@@ -302,7 +306,7 @@ impl Renderer {
         frame: FrameUniform,
         settled: bool,
     ) -> Captured {
-        self.reflections.update(gpu, now, &self.instances, self.transport.origin);
+        self.reflections.update(gpu, now, &self.instances, &self.transport);
         self.surfaces.bind(gpu, &self.spaces, &self.reflections);
         let scenery = Scenery {
             scene: self.shadows.scene_group(),

@@ -6,13 +6,17 @@
 //!
 //! Cubemap 0 of the array is the sky's, cubemap k + 1 that of probe k.
 
+pub mod baked;
 pub mod capture;
 pub mod prefilter;
 mod schedule;
 mod settling;
+pub mod sight;
 pub mod uses;
 
-use glam::DVec3;
+use std::collections::HashMap;
+
+use glam::{DVec3, Vec3};
 
 use super::frame::Now;
 use super::instances::Instances;
@@ -21,12 +25,14 @@ use crate::gpu::shader::Library;
 use crate::gpu::{Gpu, GpuError, texture};
 use crate::scene::{EntityId, Material, ReflectionProbe};
 use crate::transport::reflection::influence::Influence;
-use crate::transport::reflection::{ROUGH, ggx};
+use crate::transport::reflection::{Cube, ROUGH, ggx};
+use crate::transport::{Occluders, Transport};
 use capture::{Room, Set, Shown, Views};
 use prefilter::{Faces, Prefilter, Source, faces, levels};
 pub use schedule::Seen;
 use schedule::{Due, Schedule};
 use settling::Settling;
+use sight::{Sight, look_around};
 use uses::{GpuReflectionProbe, Ranked, ReflectionUse};
 
 /// Texels across the table of [`ggx::table`].
@@ -48,6 +54,10 @@ pub struct Reflections {
     reads: Vec<ReflectionUse>,
     views: Views,
     settling: Settling,
+    /// Made when the first probe is there.
+    occluders: Option<Occluders>,
+    /// Cubemaps from disk that no probe has taken yet.
+    given: HashMap<EntityId, Cube>,
     /// Counts arrays made.
     made: u64,
 }
@@ -73,6 +83,10 @@ struct Probe {
     source: Source,
     room: Room,
     schedule: Schedule,
+    /// From where it stands.
+    sight: Option<(Vec3, Sight)>,
+    /// What it shows is to be kept on disk, or is from there.
+    kept: bool,
 }
 
 /// What a frame's captures came to.
@@ -96,6 +110,8 @@ impl Reflections {
             prefilter,
             views: Views::new(frame_layout),
             settling: Settling::new(gpu, 2),
+            occluders: None,
+            given: HashMap::new(),
             table: split_sum(gpu),
             probes: Vec::new(),
             ranked: Ranked::default(),
@@ -148,7 +164,8 @@ impl Reflections {
     }
 
     /// Follows probes and objects.
-    pub fn update(&mut self, gpu: &Gpu, now: &Now<'_>, instances: &Instances, origin: DVec3) {
+    pub fn update(&mut self, gpu: &Gpu, now: &Now<'_>, instances: &Instances, transport: &Transport) {
+        let origin = transport.origin;
         let (probes, with_sky) = wanted(now, instances, origin);
         self.make_room(gpu, &probes, with_sky);
         let influences = probes.iter().map(|wanted| (wanted.entity, wanted.influence)).collect();
@@ -159,11 +176,35 @@ impl Reflections {
                 probe.schedule.restart();
             }
         }
+        self.look(transport);
         let groups = self.ranked.groups();
         let described: Vec<GpuReflectionProbe> =
             (0..probes.len()).map(|index| self.described(index, groups[index])).collect();
         self.held.write(gpu, &described);
         self.write_uses(gpu, now, instances, origin, with_sky);
+    }
+
+    /// Looks around from where probes stand now.
+    fn look(&mut self, transport: &Transport) {
+        for (probe, influence) in self.probes.iter_mut().zip(&self.ranked.influences) {
+            let at = influence.position;
+            if probe.sight.is_none_or(|(from, _)| from != at) {
+                let occluders = self.occluders.get_or_insert_with(|| Occluders::new(transport));
+                let moved = probe.sight.is_some();
+                probe.sight = Some((at, look_around(transport, occluders, at)));
+                if moved {
+                    probe.schedule.restart();
+                }
+            }
+        }
+    }
+
+    /// Probes that stand inside a solid and show nothing: what to tell the author, in world space.
+    pub fn misplaced(&self, origin: DVec3) -> impl Iterator<Item = (EntityId, Sight, Option<DVec3>)> + '_ {
+        self.probes.iter().filter_map(move |probe| {
+            let (_, sight) = probe.sight.filter(|(_, sight)| sight.is_inside())?;
+            Some((probe.entity, sight, sight.better.map(|better| origin + better.as_dvec3())))
+        })
     }
 
     /// Changes when what is bound is another buffer or texture.
@@ -195,6 +236,8 @@ impl Reflections {
             source: source(index, wanted.size),
             room: Room::new(gpu, wanted.size),
             schedule: Schedule::default(),
+            sight: None,
+            kept: false,
         };
         self.probes = (1..).zip(probes).map(probe).collect();
     }
@@ -216,7 +259,7 @@ impl Reflections {
     }
 
     fn write_uses(&mut self, gpu: &Gpu, now: &Now<'_>, instances: &Instances, origin: DVec3, with_sky: bool) {
-        let usable: Vec<bool> = self.probes.iter().map(|probe| probe.schedule.taken).collect();
+        let usable: Vec<bool> = self.probes.iter().map(Probe::is_usable).collect();
         let sky = with_sky && self.sky.seen > 0;
         let last_level = (self.cubes.texture.mip_level_count() - 1) as f32;
         let reads = |draw| ReflectionUse {
@@ -244,6 +287,7 @@ impl Reflections {
         for probe in &mut self.probes {
             probe.schedule.follow(probe.settings.refresh, seen);
         }
+        self.take_given(encoder, set, seen);
         let mut schedules: Vec<_> =
             self.probes.iter_mut().map(|probe| (&probe.settings, &mut probe.schedule)).collect();
         let mut complete = Vec::new();
@@ -287,7 +331,7 @@ impl Reflections {
         for face in 0..6 {
             let into = (&source.texture, &source.views[0][face]);
             captured.draws +=
-                room.take(set, &mut self.views, encoder, face, (glam::Vec3::ZERO, 0.1), into, Shown::Sky);
+                room.take(set, &mut self.views, encoder, face, (Vec3::ZERO, 0.1), into, Shown::Sky);
             captured.faces += 1;
         }
         self.prefilter.run(encoder, set.timer, source, &self.cubes.faces[0]);
@@ -309,7 +353,7 @@ impl Reflections {
         if !due.on_top {
             probe.room.forget();
         }
-        let place = (self.ranked.influences[due.probe].position, probe.settings.near.max(1e-4));
+        let place = (self.ranked.influences[due.probe].position, probe.near());
         for face in due.first..due.end {
             let into = (&probe.source.texture, &probe.source.views[0][face]);
             captured.draws += probe.room.take(set, &mut self.views, encoder, face, place, into, shown);
@@ -320,6 +364,19 @@ impl Reflections {
             self.prefilter.run(encoder, set.timer, &probe.source, &self.cubes.faces[due.probe + 1]);
         }
         complete
+    }
+}
+
+impl Probe {
+    /// It holds a capture, and one that was not taken inside a solid.
+    fn is_usable(&self) -> bool {
+        self.schedule.taken && self.sight.is_none_or(|(_, sight)| !sight.is_inside())
+    }
+
+    /// Metres: before the nearest wall, so that it has no hole.
+    fn near(&self) -> f32 {
+        let nearest = self.sight.map_or(f32::INFINITY, |(_, sight)| sight.nearest);
+        self.settings.near.min(0.5 * nearest).max(1e-5)
     }
 }
 

@@ -50,9 +50,19 @@ impl Schedule {
         *self = Self { taken: self.taken, ..Self::default() };
     }
 
+    /// The cubemap came from elsewhere and stays.
+    pub fn keep(&mut self, seen: Seen) {
+        *self = Self { seen: Some(seen), taken: true, turn: self.turn, ..Self::default() };
+    }
+
+    /// Captured, and no capture is due.
+    pub fn is_done(&self) -> bool {
+        self.taken && self.rounds == 0 && self.face == 0
+    }
+
     /// The last captures do not differ, and nothing has changed since: reflections of reflections are settled.
     pub fn settle(&mut self, seen: Seen) {
-        if self.seen == Some(seen) && !self.on_top {
+        if self.seen.is_some_and(|now| now.still == seen.still) && !self.on_top {
             self.rounds = 0;
         }
     }
