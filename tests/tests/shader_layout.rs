@@ -8,6 +8,7 @@ use engine::render::frame::FrameUniform;
 use engine::render::gather::MeanUniform;
 use engine::render::lights::GpuLight;
 use engine::render::materials::{MapUniform, MaterialUniform};
+use engine::render::rays::{Blocker, CountUniform, GpuTriangle};
 use engine::render::rows::PageUniform;
 use engine::render::shaders;
 use engine::render::shadow::ShadowView;
@@ -104,4 +105,16 @@ fn rows() {
     compare(shaders::COARSE, "Coarse", fields, size_of::<CoarseUniform>());
     let fields = fields!(MeanUniform: receivers, share, probe);
     compare(shaders::MEAN, "Mean", fields, size_of::<MeanUniform>());
+}
+
+#[test]
+fn rays() {
+    let fields = fields!(Blocker: row_x, row_y, row_z, centre, radius, nodes, triangles, parts, scale);
+    compare(shaders::DIRECT, "Blocker", fields, size_of::<Blocker>());
+    let fields = fields!(GpuTriangle: a, part, b, ordered, c);
+    compare(shaders::DIRECT, "Triangle", fields, size_of::<GpuTriangle>());
+    compare(shaders::DIRECT, "Count", fields!(CountUniform: blockers, offset), size_of::<CountUniform>());
+    // The tree's nodes are uploaded as they are.
+    let module = shaders::library().unwrap().compose(shaders::DIRECT).unwrap();
+    assert_eq!(wgsl(&module, "Node").1, 80);
 }

@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
+use super::direct::PatchShadows;
 use super::frame::Renderer;
 use super::spaces::Spaces;
 use super::targets::Targets;
 use crate::gpu::Gpu;
-use crate::transport::Transport;
+use crate::transport::{Occluders, Transport};
 
 impl Renderer {
     /// The error of B is at most this share of the largest B.
@@ -20,6 +21,16 @@ impl Renderer {
 
     pub fn transport(&self) -> &Arc<Transport> {
         &self.transport
+    }
+
+    /// The static surface, to be asked by rays.
+    pub fn occluders(&self) -> &Occluders {
+        &self.occluders
+    }
+
+    /// What told patches in the last frame whether a light reaches them.
+    pub fn patch_shadows(&self) -> PatchShadows {
+        self.direct.used()
     }
 
     /// The light as it lies on the GPU.
@@ -38,12 +49,13 @@ impl Renderer {
     }
 
     /// Bytes on the GPU by kind.
-    pub fn bytes(&self) -> [(&'static str, u64); 8] {
+    pub fn bytes(&self) -> [(&'static str, u64); 9] {
         [
             ("rows", self.bounce.bytes() + self.gather.bytes()),
             ("light", self.spaces.bytes),
             ("coarse correction", self.coarse.bytes),
             ("surface", self.still.bytes),
+            ("shadow rays", self.direct.bytes()),
             ("meshes", self.meshes.bytes()),
             ("pictures", self.pictures.bytes),
             ("shadow maps", self.shadows.bytes()),

@@ -13,7 +13,7 @@ use glam::{DAffine3, Mat4, Vec3, Vec4};
 
 use super::bounce::{Bounce, Measured, TOLERANCE};
 use super::coarse::Coarse;
-use super::direct::Direct;
+use super::direct::{Direct, PatchShadows};
 use super::gather::{Gather, Source};
 use super::instances::Instances;
 use super::materials::Materials;
@@ -35,7 +35,7 @@ use crate::gpu::timing::Timer;
 use crate::gpu::{Gpu, buffer};
 use crate::scene::Scene;
 use crate::scene::assets::Assets;
-use crate::transport::Transport;
+use crate::transport::{Occluders, Transport};
 
 /// The scene as it is now, and where it is looked at from.
 #[derive(Clone, Copy)]
@@ -56,6 +56,8 @@ pub struct Settings {
     pub samples: Option<u32>,
     /// How rows are summed; `None`: as suits the adapter.
     pub summed: Option<Summed>,
+    /// What tells patches whether a light reaches them; `None`: as suits adapter and scene.
+    pub patch_shadows: Option<PatchShadows>,
     /// Waits for what a frame measures before the next one, so that pictures repeat.
     pub wait: bool,
     /// Albedo as authored, however long light bounces in a closed room.
@@ -100,6 +102,7 @@ const FIRST_PRODUCTS: u32 = 16;
 pub struct Renderer {
     pub(super) gpu: Arc<Gpu>,
     pub(super) transport: Arc<Transport>,
+    pub(super) occluders: Occluders,
     pub(super) settings: Settings,
     pub(super) samples: u32,
     pub timer: Timer,
@@ -151,6 +154,7 @@ impl Renderer {
             paged("probe", &transport.probe_from_patch)?,
         ];
         let spaces = Spaces::new(gpu_ref, &transport)?;
+        let occluders = Occluders::new(&transport);
         let mut pictures = Pictures::new(gpu_ref, library)?;
         let materials = Materials::new(gpu_ref, assets, &mut pictures);
         let shadows = Shadows::new(gpu_ref, library, materials.layout())?;
@@ -163,7 +167,15 @@ impl Renderer {
             still: StillBuffers::new(gpu_ref, &transport)?,
             instances: Instances::new(gpu_ref, &transport),
             sources: Sources::new(transport.clone(), settings.unlimited_gain),
-            direct: Direct::new(gpu_ref, library, frame_layout, scene_layout, &spaces)?,
+            direct: Direct::new(
+                gpu_ref,
+                library,
+                [frame_layout, scene_layout],
+                &spaces,
+                &transport,
+                &occluders,
+                settings.patch_shadows,
+            )?,
             bounce: Bounce::new(gpu_ref, library, page, patch_rows, summed, &spaces)?,
             coarse: Coarse::new(gpu_ref, library, &spaces)?,
             gather: Gather::new(gpu_ref, library, page, read_rows, summed, &spaces)?,
@@ -180,6 +192,7 @@ impl Renderer {
             tonemap: Tonemap::new(gpu_ref, library, frame_layout)?,
             frame_group: pass::buffers(gpu_ref, "frame", frame_layout, &[&frame]),
             frame,
+            occluders,
             shadows,
             spaces,
             pictures,
@@ -216,10 +229,12 @@ impl Renderer {
             materials: &self.materials,
         };
         let shadowed = self.shadows.update(gpu, &mut encoder, &mut self.timer, &lights, &casters);
+        let mapped = self.shadows.lights();
+        let lit = self.direct.follow(gpu, &lights, &casters, mapped, shadowed.changed);
         self.write_frame(gpu, now, display);
 
         // Light on patches, then from patch to patch, then to receivers and probes.
-        let changed = shadowed.changed || emitted.albedo || emitted.emission;
+        let changed = lit || emitted.albedo || emitted.emission;
         let mut drawn = self.light(&mut encoder, changed, emitted.emission);
 
         // The picture.

@@ -23,6 +23,9 @@ pub struct GpuLight {
     pub texel: f32,
 }
 
+/// In place of a layer: it casts shadows, but there is no map for it.
+pub const UNMAPPED: i32 = -2;
+
 /// Without a shadow map yet.
 pub fn on_gpu(placed: &PlacedLight) -> GpuLight {
     let light = &placed.light;

@@ -17,6 +17,7 @@ pub mod materials;
 pub mod meshes;
 pub mod patches;
 pub mod pictures;
+pub mod rays;
 pub mod rows;
 pub mod shaders;
 pub mod shadow;
@@ -30,6 +31,7 @@ pub mod tonemap;
 pub mod view;
 
 use crate::gpu::GpuError;
+pub use direct::PatchShadows;
 pub use frame::{Drawn, Now, Renderer, Settings};
 pub use view::{Eye, View};
 

@@ -4,12 +4,17 @@ use crate::gpu::GpuError;
 use crate::gpu::shader::{Library, Source};
 
 /// Files that others import; each stands behind those that it imports itself.
-pub const IMPORTED: [Source; 7] = [
+pub const IMPORTED: [Source; 9] = [
     Source { name: "frame", text: include_str!("../../../shaders/frame.wgsl") },
     Source { name: "scene/mesh", text: include_str!("../../../shaders/scene/mesh.wgsl") },
     Source { name: "scene/material", text: include_str!("../../../shaders/scene/material.wgsl") },
     Source { name: "scene/light", text: include_str!("../../../shaders/scene/light.wgsl") },
     Source { name: "transport/patch", text: include_str!("../../../shaders/transport/patch.wgsl") },
+    Source { name: "transport/rays", text: include_str!("../../../shaders/transport/rays.wgsl") },
+    Source {
+        name: "transport/solid_angle",
+        text: include_str!("../../../shaders/transport/solid_angle.wgsl"),
+    },
     Source { name: "transport/rows", text: include_str!("../../../shaders/transport/rows.wgsl") },
     Source { name: "transport/sh", text: include_str!("../../../shaders/transport/sh.wgsl") },
 ];

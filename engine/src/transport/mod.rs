@@ -28,6 +28,7 @@ pub mod occluders;
 pub mod rows;
 pub mod sh;
 pub mod sky;
+pub mod solid_angle;
 pub mod solve;
 pub mod surface;
 
