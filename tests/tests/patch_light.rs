@@ -4,10 +4,11 @@ use std::f32::consts::PI;
 
 use engine::gpu::{Gpu, buffer};
 use engine::render::{Eye, PatchShadows, Settings, View};
-use engine::scene::{LightKind, Scene, world_from_local};
+use engine::scene::shape::{self, Shape};
+use engine::scene::{Entity, EntityId, LightKind, MeshSource, Scene, Transform, world_from_local};
 use engine::transport::direct::{irradiance_of_patches, placed_lights};
-use engine::transport::{Occluders, Transport};
-use glam::{DVec3, Vec3, Vec4};
+use engine::transport::{Occluders, Transport, Vertex};
+use glam::{DQuat, DVec3, Vec3, Vec4};
 use tests::picture::{Studio, gpu};
 use tests::room::{self, Rectangle};
 
@@ -35,7 +36,10 @@ fn on_gpu(studio: &mut Studio, scene: &Scene) -> Vec<Vec3> {
 }
 
 fn on_cpu(transport: &Transport, scene: &Scene) -> Vec<Vec3> {
-    let occluders = Occluders::new(transport);
+    behind(&Occluders::new(transport), transport, scene)
+}
+
+fn behind(occluders: &Occluders, transport: &Transport, scene: &Scene) -> Vec<Vec3> {
     let lights = placed_lights(scene, &world_from_local(scene), transport.origin);
     let visible = |from: Vec3, normal: Vec3, to: Vec3| occluders.free_from_surface(from, normal, to);
     irradiance_of_patches(transport, &lights, &visible)
@@ -64,7 +68,7 @@ fn flux(kind: LightKind) -> f32 {
 }
 
 /// A light at this distance from the floor, not over the middle of anything; a spot looks aslant at it.
-fn lamp(kind: LightKind, height: f64) -> engine::scene::Entity {
+fn lamp(kind: LightKind, height: f64) -> Entity {
     let at = DVec3::new(0.13, height, 0.07);
     room::light(100, kind, 1.0, at, at + DVec3::new(0.2, -1.0, 0.1))
 }
@@ -135,7 +139,7 @@ fn furnished() -> Transport {
 fn lamps(scene: &mut Scene, count: u64) {
     for k in 0..count {
         let turn = k as f64 * 2.4;
-        let at = DVec3::new(1.6 * turn.cos(), 1.9 - 0.05 * k as f64, 1.2 * turn.sin());
+        let at = DVec3::new(1.6 * turn.cos(), 1.9 - 0.05 * (k % 20) as f64, 1.2 * turn.sin());
         let kind = [LightKind::Point, LightKind::Spot { inner: 0.5, outer: 0.9 }][k as usize % 2];
         scene.entities.push(room::light(100 + k, kind, 3.0, at, DVec3::new(0.1, 0.0, -0.2)));
     }
@@ -155,7 +159,7 @@ fn rays_on_the_gpu_see_what_rays_on_the_cpu_see() {
     for k in 0..8 {
         let mut scene = white(&transport);
         lamps(&mut scene, k + 1);
-        // One lamp at a time; the last is a sun that comes through the walls: all is dark.
+        // One lamp at a time.
         scene.entities.retain(|entity| entity.light.is_none() || entity.id.0 == 100 + k);
         let (truth, found) = (on_cpu(&transport, &scene), on_gpu(&mut studio, &scene));
         wrong += count_apart(&found, &truth);
@@ -166,4 +170,95 @@ fn rays_on_the_gpu_see_what_rays_on_the_cpu_see() {
     println!("{wrong} of {all} patches differ");
     // A patch has four samples.
     assert!(wrong * 1000 <= all * 4, "{wrong} of {all}");
+}
+
+/// A block that moves: turned, stretched, of a shape.
+fn mover(shape: Shape, at: DVec3) -> Entity {
+    let rotation = DQuat::from_axis_angle(DVec3::new(0.3, 0.5, 0.8).normalize(), 0.7);
+    Entity {
+        id: EntityId(500),
+        mesh: Some(room::mesh(shape, 0)),
+        transform: Transform { translation: at, rotation, scale: DVec3::new(0.9, 0.3, 0.5) },
+        ..Entity::default()
+    }
+}
+
+/// The static surface and the mover, for rays alone.
+fn with_mover(transport: &Transport, scene: &Scene, shape: Shape) -> Occluders {
+    let mut all = transport.clone();
+    let index = scene.entities.iter().position(|entity| entity.id == EntityId(500)).unwrap();
+    let world = world_from_local(scene)[index];
+    let mesh = shape::mesh(shape);
+    let first = all.surface.vertices.len() as u32;
+    all.surface.vertices.extend(mesh.positions.iter().map(|position| Vertex {
+        position: world.transform_point3(position.as_dvec3()).as_vec3(),
+        ..Vertex::default()
+    }));
+    all.surface.triangles.extend(mesh.triangles().map(|triangle| triangle.map(|index| first + index)));
+    Occluders::new(&all)
+}
+
+#[test]
+fn what_moves_darkens_the_patches_behind_it_off_screen_by_rays_and_by_maps() {
+    for shadows in [PatchShadows::Rays, PatchShadows::Maps] {
+        let Some(gpu) = gpu() else { return };
+        let transport = furnished();
+        let mut studio = studio(gpu, transport.clone(), shadows);
+        // The eye looks away from everything.
+        studio.eye = Eye::looking(DVec3::new(0.0, 1.0, 20.0), DVec3::new(0.0, 1.0, 40.0));
+        for shape in [Shape::Cube, Shape::Sphere] {
+            studio.assets.meshes.insert(MeshSource::Shape(shape), shape::mesh(shape).into());
+            for at in [DVec3::new(0.9, 1.2, 0.3), DVec3::new(0.3, 1.0, -0.6)] {
+                let mut scene = white(&transport);
+                lamps(&mut scene, 1);
+                let without = on_gpu(&mut studio, &scene);
+                scene.entities.push(mover(shape, at));
+                let truth = behind(&with_mover(&transport, &scene, shape), &transport, &scene);
+                let found = on_gpu(&mut studio, &scene);
+                let darker = truth.iter().zip(&without).filter(|(now, then)| now.x < 0.5 * then.x).count();
+                assert!(darker > 10, "{shape:?} {at}: {darker} patches are darker");
+                let sum = |light: &[Vec3]| flux_into(&transport, light);
+                let (wrong, off) = (count_apart(&found, &truth), sum(&found) / sum(&truth) - 1.0);
+                let blocked = 1.0 - sum(&truth) / sum(&without);
+                println!("{shadows:?} {shape:?}: {blocked} blocked, {wrong} patches differ, in all {off}");
+                match shadows {
+                    PatchShadows::Rays => assert!(wrong * 250 <= truth.len(), "{wrong}"),
+                    // Maps blur what is finer than their texels.
+                    PatchShadows::Maps => assert!(off.abs() < 0.01, "{off}"),
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn maps_and_rays_agree() {
+    let transport = furnished();
+    let mut scene = white(&transport);
+    lamps(&mut scene, 4);
+    let of = |shadows| Some(on_gpu(&mut studio(gpu()?, transport.clone(), shadows), &scene));
+    let Some(rays) = of(PatchShadows::Rays) else { return };
+    let maps = of(PatchShadows::Maps).unwrap();
+    let difference = maps.iter().zip(&rays).zip(&transport.patches);
+    let mean: f32 = difference.map(|((a, b), patch)| (a.x - b.x).abs() * patch.area).sum();
+    let mean = mean / flux_into(&transport, &rays);
+    println!("mean difference {mean} of the mean");
+    assert!(mean < 0.01, "{mean}");
+}
+
+#[test]
+fn lights_beyond_those_that_have_maps_cast_shadows_on_patches_all_the_same() {
+    let Some(gpu) = gpu() else { return };
+    let transport = furnished();
+    let mut scene = white(&transport);
+    // More than there are maps for; all but the last are dark.
+    lamps(&mut scene, 100);
+    for entity in scene.entities.iter_mut().filter(|entity| (100..199).contains(&entity.id.0)) {
+        entity.light.as_mut().unwrap().on = false;
+    }
+    let mut studio = studio(gpu, transport.clone(), PatchShadows::Maps);
+    let found = on_gpu(&mut studio, &scene);
+    assert!(!studio.renderer.left_out().is_empty());
+    let wrong = count_apart(&found, &on_cpu(&transport, &scene));
+    assert!(wrong * 250 <= found.len(), "{wrong}");
 }

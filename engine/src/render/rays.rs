@@ -83,7 +83,9 @@ impl Rays {
         let layout =
             pass::layout(gpu, "rays", wgpu::ShaderStages::COMPUTE, &[Read, Read, Read, Read, Uniform]);
         let (nodes, triangles) = upload(gpu, &trees);
-        let blockers = Held::new(gpu, "blockers", Usage::STORAGE);
+        let mut blockers = Held::new(gpu, "blockers", Usage::STORAGE);
+        // No binding may be smaller than what it holds one of.
+        blockers.write(gpu, &[Blocker::default()]);
         let stops = Held::new(gpu, "stops", Usage::STORAGE);
         let count = Held::new(gpu, "count", Usage::UNIFORM);
         let buffers = [&nodes, &triangles, blockers.buffer(), stops.buffer(), count.buffer()];
@@ -274,7 +276,8 @@ fn affine(rows: &[[f32; 4]; 3]) -> DAffine3 {
 }
 
 fn upload(gpu: &Gpu, trees: &[Tree]) -> (wgpu::Buffer, wgpu::Buffer) {
-    let nodes: Vec<[u32; 20]> = trees.iter().flat_map(|tree| tree.nodes.iter().copied()).collect();
+    let mut nodes: Vec<[u32; 20]> = trees.iter().flat_map(|tree| tree.nodes.iter().copied()).collect();
+    nodes.resize(nodes.len().max(1), [0; 20]);
     let triangles: Vec<GpuTriangle> = trees.iter().flat_map(|tree| tree.triangles.iter().copied()).collect();
     (
         buffer::filled(gpu, "nodes", &nodes, Usage::STORAGE),
