@@ -16,7 +16,9 @@ struct Frame {
     view: u32,
     /// 1 where the target does not encode sRGB by itself.
     encode: u32,
-    padding: vec2u,
+    /// W/m2 of one stored unit of radiosity, a power of two.
+    light_unit: f32,
+    padding: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

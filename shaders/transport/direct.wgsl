@@ -38,7 +38,7 @@ fn leave(i: u32, by_rays: bool) {
         sum += irradiance(i, samples[s], by_rays);
     }
     let mean = sum / f32(max(count, 1u));
-    exitance[i] = vec4f(emitted[i].xyz + albedo[i].xyz * mean, 0.0);
+    exitance[i] = vec4f(emitted[i].xyz + albedo[i].xyz * mean / frame.light_unit, 0.0);
 }
 
 fn irradiance(i: u32, at: Sample, by_rays: bool) -> vec3f {

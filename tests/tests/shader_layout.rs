@@ -13,6 +13,7 @@ use engine::render::rows::PageUniform;
 use engine::render::shaders;
 use engine::render::shadow::ShadowView;
 use engine::render::sky::SkyUniform;
+use engine::render::unit::RescaleUniform;
 use engine::transport::{Patch, Sample};
 use naga::{Module, TypeInner};
 
@@ -51,8 +52,7 @@ macro_rules! fields {
 
 #[test]
 fn frame() {
-    let fields =
-        fields!(FrameUniform: clip_from_world, eye, forward, time, right, exposure, up, lights, view, encode);
+    let fields = fields!(FrameUniform: clip_from_world, eye, forward, time, right, exposure, up, lights, view, encode, light_unit);
     compare(shaders::SURFACE, "Frame", fields, size_of::<FrameUniform>());
 }
 
@@ -103,6 +103,7 @@ fn rows() {
     compare(shaders::BOUNCE, "Page", fields!(PageUniform: first, count), size_of::<PageUniform>());
     let fields = fields!(CoarseUniform: patches, aggregates, chunks);
     compare(shaders::COARSE, "Coarse", fields, size_of::<CoarseUniform>());
+    compare(shaders::UNIT, "Rescale", fields!(RescaleUniform: columns, factor), size_of::<RescaleUniform>());
     let fields = fields!(MeanUniform: receivers, share, probe);
     compare(shaders::MEAN, "Mean", fields, size_of::<MeanUniform>());
 }

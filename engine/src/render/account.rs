@@ -12,7 +12,7 @@ use crate::transport::{Occluders, Transport};
 impl Renderer {
     /// The error of B is at most this share of the largest B.
     pub fn bound(&self) -> Option<f32> {
-        Some(self.bounce.measured?.bound(self.sources.known_gain()))
+        Some(self.steering.measured()?.bound(self.sources.known_gain()))
     }
 
     pub fn gpu(&self) -> &Gpu {
@@ -31,6 +31,11 @@ impl Renderer {
     /// What told patches in the last frame whether a light reaches them.
     pub fn patch_shadows(&self) -> PatchShadows {
         self.direct.used()
+    }
+
+    /// W/m2 of one stored unit of radiosity.
+    pub fn light_unit(&self) -> f32 {
+        self.sources.unit()
     }
 
     /// The light as it lies on the GPU.

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use glam::{DAffine3, Mat4, Vec3, Vec4};
 
-use super::bounce::{Bounce, Measured, TOLERANCE};
+use super::bounce::Bounce;
 use super::coarse::Coarse;
 use super::direct::{Direct, PatchShadows};
 use super::gather::{Gather, Source};
@@ -23,11 +23,13 @@ use super::pictures::Pictures;
 use super::rows::{self, PagedRows, Summed};
 use super::shadow::{Casters, Shadows};
 use super::sky::SkyPass;
-use super::sources::Sources;
+use super::sources::{Changed, Sources};
 use super::spaces::Spaces;
+use super::steering::Steering;
 use super::surface::{Scenery, Surfaces};
 use super::targets::{self, Targets};
 use super::tonemap::Tonemap;
+use super::unit::Rescale;
 use super::view::{Eye, View};
 use super::{RenderError, lights, shaders};
 use crate::gpu::pass::{self, Binding};
@@ -91,12 +93,9 @@ pub struct FrameUniform {
     pub lights: u32,
     pub view: u32,
     pub encode: u32,
-    pub padding: [u32; 2],
+    pub light_unit: f32,
+    pub padding: u32,
 }
-
-/// Products of a frame while the light changes, and of the first one, which starts from darkness.
-const PRODUCTS: u32 = 2;
-const FIRST_PRODUCTS: u32 = 16;
 
 /// Long-lived pipelines and the bake on the GPU.
 pub struct Renderer {
@@ -125,8 +124,8 @@ pub struct Renderer {
     pub(super) frame: wgpu::Buffer,
     pub(super) frame_group: wgpu::BindGroup,
     pub(super) target: Option<(Targets, wgpu::BindGroup)>,
-    /// Counts changes of what the bounce starts from.
-    pub(super) version: u64,
+    pub(super) rescale: Rescale,
+    pub(super) steering: Steering,
     /// Probes hold what is current.
     pub(super) probes_current: bool,
 }
@@ -178,7 +177,8 @@ impl Renderer {
             )?,
             bounce: Bounce::new(gpu_ref, library, page, patch_rows, summed, &spaces)?,
             coarse: Coarse::new(gpu_ref, library, &spaces)?,
-            gather: Gather::new(gpu_ref, library, page, read_rows, summed, &spaces)?,
+            gather: Gather::new(gpu_ref, library, [frame_layout, page], read_rows, summed, &spaces)?,
+            rescale: Rescale::new(gpu_ref, library, &spaces)?,
             surfaces: Surfaces::new(
                 gpu_ref,
                 library,
@@ -198,7 +198,7 @@ impl Renderer {
             pictures,
             materials,
             target: None,
-            version: 0,
+            steering: Steering::default(),
             probes_current: false,
             transport,
             gpu,
@@ -210,8 +210,7 @@ impl Renderer {
     /// Draws the scene as it is now into `display`.
     pub fn draw(&mut self, now: &Now<'_>, display: &wgpu::Texture) -> Result<Drawn, RenderError> {
         let gpu = &*self.gpu.clone();
-        self.bounce.receive();
-        self.timer.receive();
+        self.receive();
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
 
         // What stands where, what it is made of, what shines.
@@ -219,7 +218,9 @@ impl Renderer {
         self.instances.update(gpu, now, &self.transport, &self.materials, &mut self.meshes);
         let lights = lights::placed(now, &self.instances, self.transport.origin);
         self.sky.update(gpu, now.assets, &mut self.pictures, &now.scene.sky.kind, &lights);
-        let emitted = self.sources.update(gpu, now, materials_changed, &self.spaces, &mut self.coarse)?;
+        let brightest = lights::brightest(&lights).max(self.steering.brightest());
+        let emitted =
+            self.sources.update(gpu, now, materials_changed, brightest, &self.spaces, &mut self.coarse)?;
 
         // What the lights see.
         let casters = Casters {
@@ -234,8 +235,8 @@ impl Renderer {
         self.write_frame(gpu, now, display);
 
         // Light on patches, then from patch to patch, then to receivers and probes.
-        let changed = lit || emitted.albedo || emitted.emission;
-        let mut drawn = self.light(&mut encoder, changed, emitted.emission);
+        let dark = !self.sources.shines() && !lights.iter().any(lights::shines);
+        let mut drawn = self.light(&mut encoder, lit, emitted, dark);
 
         // The picture.
         drawn.shadow_draws = shadowed.draws;
@@ -250,22 +251,44 @@ impl Renderer {
     }
 
     /// Direct light, bounce and gather: what of them is needed.
-    fn light(&mut self, encoder: &mut wgpu::CommandEncoder, changed: bool, emission: bool) -> Drawn {
+    fn light(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        lit: bool,
+        emitted: Changed,
+        dark: bool,
+    ) -> Drawn {
+        if dark {
+            // The solution is 0. What moves finds it in every probe.
+            if self.steering.put_out() {
+                self.spaces.darken(encoder);
+            }
+            self.probes_current = true;
+            return Drawn::default();
+        }
         let (timer, mut dispatches) = (&mut self.timer, 0);
-        if changed {
-            self.version += 1;
+        if let Some(factor) = emitted.rescaled {
+            dispatches += self.rescale.run(&self.gpu, encoder, factor);
+        }
+        if lit || emitted.albedo || emitted.emission || emitted.rescaled.is_some() {
+            self.steering.change();
             dispatches += self.direct.run(encoder, timer, &self.frame_group, self.shadows.scene_group());
         }
+        if !self.sources.sky_shines() && self.steering.has_faded() {
+            self.steering.put_out();
+            self.spaces.forget_bounced(encoder);
+        }
         let gain = self.sources.cavity_gain(self.settings.wait);
-        let products = products(self.bounce.measured, self.version, gain);
-        dispatches += self.bounce.run(encoder, timer, &self.coarse, products, self.version);
+        let products = self.steering.products(gain);
+        let tag = (self.steering.version(), self.sources.unit());
+        dispatches += self.bounce.run(encoder, timer, &self.coarse, products, tag);
         let moving = self.instances.any_moving();
         let probes_late = moving && !self.probes_current;
-        if emission || probes_late {
-            dispatches += self.gather.run(encoder, timer, Source::Emitted, moving);
+        if emitted.emission || emitted.rescaled.is_some() || probes_late {
+            dispatches += self.gather.run(encoder, timer, &self.frame_group, Source::Emitted, moving);
         }
         if products > 0 || probes_late {
-            dispatches += self.gather.run(encoder, timer, Source::Bounced, moving);
+            dispatches += self.gather.run(encoder, timer, &self.frame_group, Source::Bounced, moving);
         }
         // What moves no longer may come back after the light has changed.
         self.probes_current = moving;
@@ -330,7 +353,8 @@ impl Renderer {
             lights: self.shadows.light_count(),
             view: now.view as u32,
             encode: u32::from(!display.format().is_srgb()),
-            padding: [0; 2],
+            light_unit: self.sources.unit(),
+            padding: 0,
         };
         gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
     }
@@ -343,15 +367,13 @@ impl Renderer {
             let _ = gpu.device.poll(wgpu::PollType::Poll);
         }
         gpu.check()?;
-        self.bounce.receive();
-        self.timer.receive();
+        self.receive();
         Ok(())
     }
-}
 
-/// How many products the light needs now: none once it is known to be solved.
-fn products(measured: Option<Measured>, version: u64, cavity_gain: f32) -> u32 {
-    let Some(measured) = measured else { return FIRST_PRODUCTS };
-    let bound = measured.bound(cavity_gain);
-    if measured.version == version && bound <= TOLERANCE { 0 } else { PRODUCTS }
+    /// What earlier frames measured.
+    fn receive(&mut self) {
+        self.bounce.receive().for_each(|measured| self.steering.receive(measured));
+        self.timer.receive();
+    }
 }

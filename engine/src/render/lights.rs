@@ -52,6 +52,12 @@ pub fn shines(placed: &PlacedLight) -> bool {
     power.is_finite() && power.max_element() > 0.0
 }
 
+/// At a distance of 1 m [W/m2]; 0 where none shines.
+pub fn brightest(placed: &[PlacedLight]) -> f32 {
+    let shining = placed.iter().filter(|light| shines(light));
+    shining.map(|light| light.light.power().max_element()).fold(0.0, f32::max)
+}
+
 /// All lights that are not hidden, dark ones too: which shadow map is whose does not change when a light is
 /// switched.
 pub fn placed(now: &Now<'_>, instances: &Instances, origin: DVec3) -> Vec<PlacedLight> {

@@ -25,9 +25,11 @@ mod shadow_view;
 pub mod sky;
 pub mod sources;
 pub mod spaces;
+pub mod steering;
 pub mod surface;
 pub mod targets;
 pub mod tonemap;
+pub mod unit;
 pub mod view;
 
 use crate::gpu::GpuError;

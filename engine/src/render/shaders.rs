@@ -20,10 +20,12 @@ pub const IMPORTED: [Source; 9] = [
 ];
 
 /// One file a pass.
-pub const PASSES: [Source; 11] =
-    [SHADOW, DIRECT, BOUNCE, COARSE, GATHER, MEAN, SURFACE, PATCHES, SKY, TONEMAP, MIPMAP];
+pub const PASSES: [Source; 12] =
+    [SHADOW, UNIT, DIRECT, BOUNCE, COARSE, GATHER, MEAN, SURFACE, PATCHES, SKY, TONEMAP, MIPMAP];
 
 pub const SHADOW: Source = Source { name: "shadow", text: include_str!("../../../shaders/shadow.wgsl") };
+pub const UNIT: Source =
+    Source { name: "transport/unit", text: include_str!("../../../shaders/transport/unit.wgsl") };
 pub const DIRECT: Source =
     Source { name: "transport/direct", text: include_str!("../../../shaders/transport/direct.wgsl") };
 pub const BOUNCE: Source =
