@@ -7,7 +7,8 @@ use engine::render::{Eye, PatchShadows, Settings, View};
 use engine::scene::shape::{self, Shape};
 use engine::scene::{Entity, EntityId, LightKind, MeshSource, Scene, Transform, world_from_local};
 use engine::transport::direct::{irradiance_of_patches, placed_lights};
-use engine::transport::{Occluders, Transport, Vertex};
+use engine::transport::surface::Blend;
+use engine::transport::{Batch, NONE, Occluders, Patch, Sample, Transport, Vertex};
 use glam::{DQuat, DVec3, Vec3, Vec4};
 use tests::picture::{Studio, gpu};
 use tests::room::{self, Rectangle};
@@ -261,4 +262,110 @@ fn lights_beyond_those_that_have_maps_cast_shadows_on_patches_all_the_same() {
     assert!(!studio.renderer.left_out().is_empty());
     let wrong = count_apart(&found, &on_cpu(&transport, &scene));
     assert!(wrong * 250 <= found.len(), "{wrong}");
+}
+
+/// A ball in the room, all of it one patch.
+fn room_with_a_ball() -> Transport {
+    let mut transport = empty_room();
+    let mesh = shape::mesh(Shape::Sphere);
+    let centre = Vec3::new(0.4, 1.0, 0.1);
+    let surface = &mut transport.surface;
+    let (first_vertex, first) = (surface.vertices.len() as u32, surface.triangles.len() as u32);
+    surface.vertices.extend(mesh.positions.iter().zip(&mesh.normals).map(|(position, &normal)| Vertex {
+        position: *position * 0.6 + centre,
+        normal,
+        ..Vertex::default()
+    }));
+    surface.blends.resize(surface.vertices.len(), Blend::one(0));
+    surface.triangles.extend(mesh.triangles().map(|triangle| triangle.map(|index| first_vertex + index)));
+    let (patch, count) = (transport.patches.len() as u32, surface.triangles.len() as u32 - first);
+    surface.patches.resize(surface.triangles.len(), [patch, NONE]);
+    let batch = surface.batches.len() as u32;
+    surface.batches.push(Batch { entity: [batch + 1, 0], material: batch, double_sided: 0, first, count });
+    let first_sample = transport.samples.len() as u32;
+    for k in 0..16 {
+        let (z, turn) = (1.0 - (2.0 * k as f32 + 1.0) / 16.0, k as f32 * 2.4);
+        let normal = Vec3::new(turn.cos() * (1.0 - z * z).sqrt(), turn.sin() * (1.0 - z * z).sqrt(), z);
+        transport.samples.push(Sample { position: normal * 0.3 + centre, patch, normal, padding: 0 });
+    }
+    transport.patches.push(Patch {
+        centre,
+        area: 4.0 * PI * 0.09,
+        normal: Vec3::Y,
+        batch,
+        first_triangle: first,
+        triangle_count: count,
+        first_sample,
+        sample_count: 16,
+        ..Patch::default()
+    });
+    room::with_empty_rows(transport)
+}
+
+#[test]
+fn a_light_close_to_a_statue_is_not_multiplied() {
+    let Some(gpu) = gpu() else { return };
+    let transport = room_with_a_ball();
+    let mut studio = studio(gpu, transport.clone(), PatchShadows::Rays);
+    let ball = transport.patches.len() - 1;
+    let sample = transport.samples[transport.patches[ball].first_sample as usize + 5];
+    for distance in [1e-4, 0.01, 0.05, 0.2, 0.5, 1.0] {
+        let mut scene = white(&transport);
+        let at = sample.position + sample.normal * distance;
+        scene.entities.push(room::light(100, LightKind::Point, 1.0, at.as_dvec3(), DVec3::ZERO));
+        let (truth, found) = (on_cpu(&transport, &scene), on_gpu(&mut studio, &scene));
+        assert!(apart(&found, &truth) < 1e-4, "{distance}: {}", apart(&found, &truth));
+        let taken = found[ball].x * transport.patches[ball].area / (4.0 * PI);
+        // What a ball covers of the sphere around the light.
+        let half = 0.5 * (1.0 - (1.0 - (0.3 / (0.3 + distance)).powi(2)).sqrt());
+        println!("{distance} m from the ball, over a sample: it takes {taken} of the light, truly {half}");
+        assert!(taken <= 0.55 && (taken - half).abs() < 0.12, "{distance}: {taken}, {half}");
+        assert!(flux_into(&transport, &found) <= 4.0 * PI * 1.1);
+    }
+}
+
+#[test]
+fn what_is_hidden_or_casts_no_shadow_lets_light_through_and_glass_a_part_of_it() {
+    for shadows in [PatchShadows::Rays, PatchShadows::Maps] {
+        let Some(gpu) = gpu() else { return };
+        let transport = furnished();
+        let mut studio = studio(gpu, transport.clone(), shadows);
+        // From above the table (rectangles 12 to 17) to the floor below it.
+        let mut scene = white(&transport);
+        scene.entities.push(room::light(
+            100,
+            LightKind::Point,
+            1.0,
+            DVec3::new(0.85, 2.2, 0.45),
+            DVec3::ZERO,
+        ));
+        let floor: Vec<usize> = (0..transport.patches.len())
+            .filter(|&i| {
+                let patch = &transport.patches[i];
+                patch.batch == 2 && (patch.centre - Vec3::new(0.85, 0.0, 0.45)).length() < 0.25
+            })
+            .collect();
+        assert!(!floor.is_empty());
+        let mut below = |scene: &Scene| -> f32 {
+            let light = on_gpu(&mut studio, scene);
+            floor.iter().map(|&i| light[i].x).sum::<f32>() / floor.len() as f32
+        };
+        let blocked = below(&scene);
+        assert!(blocked < 1e-3, "{shadows:?}: {blocked}");
+        let mut glass = scene.clone();
+        for material in &mut glass.materials[12..18] {
+            material.alpha = engine::scene::Alpha::Blend;
+            material.opacity = 0.5;
+        }
+        let dimmed = below(&glass);
+        scene.entities[12..15].iter_mut().for_each(|entity| entity.hidden = true);
+        let table = scene.entities[15..18].iter_mut();
+        table.for_each(|entity| entity.mesh.as_mut().unwrap().casts_shadows = false);
+        let open = below(&scene);
+        // Two sheets of half-transparent glass.
+        println!("{shadows:?}: {blocked} {dimmed} {open}");
+        let share = dimmed / open;
+        let tolerance = if shadows == PatchShadows::Rays { 1e-3 } else { 0.26 };
+        assert!(open > 0.1 && (share - 0.25).abs() < tolerance, "{shadows:?}: {share}");
+    }
 }

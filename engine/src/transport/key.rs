@@ -17,7 +17,7 @@ pub struct BakeWith {
 }
 
 /// Counts up whenever the same input bakes to other bytes.
-const METHOD: u32 = 2;
+const METHOD: u32 = 3;
 
 /// Two scenes with one key have the same transport. A file that cannot be read counts as absent.
 pub fn transport_key(project: &Path, scene: &Scene, with: &BakeWith) -> String {
@@ -49,6 +49,9 @@ pub fn transport_key(project: &Path, scene: &Scene, with: &BakeWith) -> String {
             let (id, Some(material)) = material else { continue };
             let sides = (id, material.double_sided, material.emission.sampled, material.alpha);
             add("material", format!("{sides:?}").as_bytes());
+            if let Some(map) = &material.normal_texture {
+                add("tangents", &[map.uv_set]); // vertices are made of them
+            }
             if material.alpha != Alpha::Opaque {
                 add("alpha", format!("{:?}{:?}", material.opacity, material.albedo.texture).as_bytes());
                 files.extend(material.albedo.texture.iter().map(|texture| texture.image.file.clone()));
