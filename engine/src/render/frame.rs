@@ -14,19 +14,21 @@ use glam::{DAffine3, Mat4, Vec3, Vec4};
 use super::bounce::Bounce;
 use super::coarse::Coarse;
 use super::direct::{Direct, PatchShadows};
-use super::gather::{Gather, Source};
+use super::gather::Gather;
 use super::instances::Instances;
 use super::materials::Materials;
 use super::meshes::{Meshes, StillBuffers};
 use super::patches::Patches;
 use super::pictures::Pictures;
+use super::reflections::capture::Set;
+use super::reflections::{Captured, Reflections, Seen};
 use super::rows::{self, PagedRows, Summed};
 use super::shadow::{Casters, Shadows};
 use super::sky::SkyPass;
-use super::sources::{Changed, Sources};
+use super::sources::Sources;
 use super::spaces::Spaces;
 use super::steering::Steering;
-use super::surface::{Scenery, Surfaces};
+use super::surface::{Look, Scenery, Surfaces, Which};
 use super::targets::{self, Targets};
 use super::tonemap::Tonemap;
 use super::unit::Rescale;
@@ -74,6 +76,8 @@ pub struct Drawn {
     pub products: u32,
     pub draws: u32,
     pub shadow_draws: u32,
+    /// Faces of cubemaps.
+    pub captures: u32,
     /// The error of B is at most this share of the largest B: measured last, which is before this frame's last
     /// product. `None`: nothing was measured yet.
     pub bound: Option<f32>,
@@ -93,9 +97,13 @@ pub struct FrameUniform {
     pub lights: u32,
     pub view: u32,
     pub encode: u32,
+    pub capture: u32,
     pub light_unit: f32,
-    pub padding: u32,
 }
+
+/// What is captured once waits until the error of light is below this share: of light that always moves, it is
+/// never 0.
+const SOLVED: f32 = 0.02;
 
 /// Long-lived pipelines and the bake on the GPU.
 pub struct Renderer {
@@ -117,6 +125,7 @@ pub struct Renderer {
     pub(super) bounce: Bounce,
     pub(super) coarse: Coarse,
     pub(super) gather: Gather,
+    pub(super) reflections: Reflections,
     pub(super) surfaces: Surfaces,
     pub(super) patches: Patches,
     pub(super) sky: SkyPass,
@@ -128,6 +137,9 @@ pub struct Renderer {
     pub(super) steering: Steering,
     /// Probes hold what is current.
     pub(super) probes_current: bool,
+    /// What captures show, and changes of the sky.
+    pub(super) seen: (Seen, u64),
+    moved: u64,
 }
 
 impl Renderer {
@@ -179,14 +191,8 @@ impl Renderer {
             coarse: Coarse::new(gpu_ref, library, &spaces)?,
             gather: Gather::new(gpu_ref, library, [frame_layout, page], read_rows, summed, &spaces)?,
             rescale: Rescale::new(gpu_ref, library, &spaces)?,
-            surfaces: Surfaces::new(
-                gpu_ref,
-                library,
-                frame_layout,
-                scene_layout,
-                materials.layout(),
-                &spaces,
-            )?,
+            reflections: Reflections::new(gpu_ref, library, frame_layout)?,
+            surfaces: Surfaces::new(gpu_ref, library, frame_layout, scene_layout, materials.layout())?,
             patches: Patches::new(gpu_ref, library, frame_layout)?,
             sky: SkyPass::new(gpu_ref, library, frame_layout, &pictures)?,
             tonemap: Tonemap::new(gpu_ref, library, frame_layout)?,
@@ -200,6 +206,8 @@ impl Renderer {
             target: None,
             steering: Steering::default(),
             probes_current: false,
+            seen: (Seen::default(), 0),
+            moved: 0,
             transport,
             gpu,
         };
@@ -217,7 +225,7 @@ impl Renderer {
         let materials_changed = self.materials.update(gpu, now.assets, &mut self.pictures, now.scene);
         self.instances.update(gpu, now, &self.transport, &self.materials, &mut self.meshes);
         let lights = lights::placed(now, &self.instances, self.transport.origin);
-        self.sky.update(gpu, now.assets, &mut self.pictures, &now.scene.sky.kind, &lights);
+        let sky_changed = self.sky.update(gpu, now.assets, &mut self.pictures, &now.scene.sky.kind, &lights);
         let brightest = lights::brightest(&lights).max(self.steering.brightest());
         let emitted =
             self.sources.update(gpu, now, materials_changed, brightest, &self.spaces, &mut self.coarse)?;
@@ -232,67 +240,70 @@ impl Renderer {
         let shadowed = self.shadows.update(gpu, &mut encoder, &mut self.timer, &lights, &casters);
         let mapped = self.shadows.lights();
         let lit = self.direct.follow(gpu, &lights, &casters, mapped, shadowed.changed);
-        self.write_frame(gpu, now, display);
+        let uniform = self.write_frame(gpu, now, display);
 
         // Light on patches, then from patch to patch, then to receivers and probes.
         let dark = !self.sources.shines() && !lights.iter().any(lights::shines);
         let mut drawn = self.light(&mut encoder, lit, emitted, dark);
 
+        // What reflection probes see.
+        let stirred = shadowed.changed || materials_changed || drawn.transport_dispatches > 0;
+        self.follow(stirred, sky_changed);
+        let settled = drawn.transport_dispatches == 0 || self.bound().is_some_and(|bound| bound <= SOLVED);
+        let captured = self.reflect(gpu, &mut encoder, now, uniform, settled);
+        drawn.captures = captured.faces;
+
         // The picture.
         drawn.shadow_draws = shadowed.draws;
-        drawn.draws = shadowed.draws + self.paint(gpu, &mut encoder, now, display);
+        drawn.draws = shadowed.draws + captured.draws + self.paint(gpu, &mut encoder, now, display);
         self.timer.resolve(&mut encoder);
         gpu.queue.submit([encoder.finish()]);
         self.timer.sent();
         self.bounce.sent();
+        self.reflections.sent();
         self.finish(gpu)?;
         drawn.bound = self.bound();
         Ok(drawn)
     }
 
-    /// Direct light, bounce and gather: what of them is needed.
-    fn light(
+    /// Counts what captures show.
+    fn follow(&mut self, stirred: bool, sky_changed: bool) {
+        let (seen, sky) = &mut self.seen;
+        // The first sky is a change, too.
+        *sky += u64::from(sky_changed || *sky == 0);
+        seen.still += u64::from(stirred || sky_changed);
+        let moved = self.instances.signature();
+        seen.moving += u64::from(self.moved != moved);
+        self.moved = moved;
+    }
+
+    /// Reflection probes: who reads which, and the captures that are due.
+    fn reflect(
         &mut self,
+        gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
-        lit: bool,
-        emitted: Changed,
-        dark: bool,
-    ) -> Drawn {
-        if dark {
-            // The solution is 0. What moves finds it in every probe.
-            if self.steering.put_out() {
-                self.spaces.darken(encoder);
-            }
-            self.probes_current = true;
-            return Drawn::default();
-        }
-        let (timer, mut dispatches) = (&mut self.timer, 0);
-        if let Some(factor) = emitted.rescaled {
-            dispatches += self.rescale.run(&self.gpu, encoder, factor);
-        }
-        if lit || emitted.albedo || emitted.emission || emitted.rescaled.is_some() {
-            self.steering.change();
-            dispatches += self.direct.run(encoder, timer, &self.frame_group, self.shadows.scene_group());
-        }
-        if !self.sources.sky_shines() && self.steering.has_faded() {
-            self.steering.put_out();
-            self.spaces.forget_bounced(encoder);
-        }
-        let gain = self.sources.cavity_gain(self.settings.wait);
-        let products = self.steering.products(gain);
-        let tag = (self.steering.version(), self.sources.unit());
-        dispatches += self.bounce.run(encoder, timer, &self.coarse, products, tag);
-        let moving = self.instances.any_moving();
-        let probes_late = moving && !self.probes_current;
-        if emitted.emission || emitted.rescaled.is_some() || probes_late {
-            dispatches += self.gather.run(encoder, timer, &self.frame_group, Source::Emitted, moving);
-        }
-        if products > 0 || probes_late {
-            dispatches += self.gather.run(encoder, timer, &self.frame_group, Source::Bounced, moving);
-        }
-        // What moves no longer may come back after the light has changed.
-        self.probes_current = moving;
-        Drawn { transport_dispatches: dispatches, products, ..Drawn::default() }
+        now: &Now<'_>,
+        frame: FrameUniform,
+        settled: bool,
+    ) -> Captured {
+        self.reflections.update(gpu, now, &self.instances, &self.transport);
+        self.surfaces.bind(gpu, &self.spaces, &self.reflections);
+        let scenery = Scenery {
+            scene: self.shadows.scene_group(),
+            instances: &self.instances,
+            still: &self.still,
+            meshes: &self.meshes,
+            materials: &self.materials,
+        };
+        let mut set = Set {
+            gpu,
+            timer: &mut self.timer,
+            surfaces: &mut self.surfaces,
+            sky: &mut self.sky,
+            scenery: &scenery,
+            frame: FrameUniform { view: View::Composite as u32, capture: 1, ..frame },
+        };
+        self.reflections.capture(encoder, &mut set, self.seen, settled)
     }
 
     /// Surfaces, sky, blended surfaces, tonemap. Returns the draws.
@@ -311,13 +322,19 @@ impl Renderer {
         }
         let Some(target) = &self.target else { return 0 };
         let scenery = Scenery {
-            frame: &self.frame_group,
             scene: self.shadows.scene_group(),
             instances: &self.instances,
             still: &self.still,
             meshes: &self.meshes,
             materials: &self.materials,
-            eye: (now.eye.position - self.transport.origin).as_vec3(),
+        };
+        let origin = self.transport.origin;
+        let look = Look {
+            frame: &self.frame_group,
+            clip_from_world: now.eye.clip_from_world(origin, size[0] as f32 / size[1].max(1) as f32),
+            eye: (now.eye.position - origin).as_vec3(),
+            samples: self.samples,
+            mirrored: false,
         };
         let mut pass = target.0.begin(encoder, self.timer.render("surface"));
         let mut draws = 1;
@@ -326,11 +343,12 @@ impl Renderer {
             draws +=
                 self.patches.draw(gpu, &mut pass, &self.frame_group, &self.transport, shown, self.samples);
         } else {
-            draws += self.surfaces.draw(gpu, &mut pass, &scenery, false, self.samples);
+            let all = Which { blended: false, still: true, moving: true };
+            draws += self.surfaces.draw(gpu, &mut pass, &scenery, &look, all);
             if now.view.shows_sky() {
                 draws += self.sky.draw(gpu, &mut pass, &self.frame_group, self.samples);
             }
-            draws += self.surfaces.draw(gpu, &mut pass, &scenery, true, self.samples);
+            draws += self.surfaces.draw(gpu, &mut pass, &scenery, &look, Which { blended: true, ..all });
         }
         drop(pass);
         let timer = &mut self.timer;
@@ -338,7 +356,7 @@ impl Renderer {
         draws
     }
 
-    fn write_frame(&self, gpu: &Gpu, now: &Now<'_>, display: &wgpu::Texture) {
+    fn write_frame(&self, gpu: &Gpu, now: &Now<'_>, display: &wgpu::Texture) -> FrameUniform {
         let aspect = display.width() as f32 / display.height().max(1) as f32;
         let origin = self.transport.origin;
         let (eye, [forward, right, up]) = now.eye.rays(origin, aspect);
@@ -353,10 +371,11 @@ impl Renderer {
             lights: self.shadows.light_count(),
             view: now.view as u32,
             encode: u32::from(!display.format().is_srgb()),
+            capture: 0,
             light_unit: self.sources.unit(),
-            padding: 0,
         };
         gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
+        uniform
     }
 
     fn finish(&mut self, gpu: &Gpu) -> Result<(), RenderError> {
@@ -374,6 +393,7 @@ impl Renderer {
     /// What earlier frames measured.
     fn receive(&mut self) {
         self.bounce.receive().for_each(|measured| self.steering.receive(measured));
+        self.reflections.receive();
         self.timer.receive();
     }
 }
