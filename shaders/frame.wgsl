@@ -22,6 +22,8 @@ struct Frame {
     curve: u32,
     /// 1 for a reflection probe's camera.
     capture: u32,
+    /// W/m2 of one stored unit of radiosity, a power of two.
+    light_unit: f32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

@@ -11,11 +11,11 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use glam::{DAffine3, Mat4, Vec3, Vec4};
 
-use super::bounce::{Bounce, Measured, TOLERANCE};
+use super::bounce::Bounce;
 use super::coarse::Coarse;
-use super::direct::Direct;
+use super::direct::{Direct, PatchShadows};
 use super::exposure::{self, Exposure};
-use super::gather::{Gather, Source};
+use super::gather::Gather;
 use super::instances::Instances;
 use super::materials::Materials;
 use super::meshes::{Meshes, StillBuffers};
@@ -29,9 +29,11 @@ use super::shadow::{Casters, Shadows};
 use super::sky::SkyPass;
 use super::sources::Sources;
 use super::spaces::Spaces;
+use super::steering::Steering;
 use super::surface::{Look, Scenery, Surfaces, Which};
 use super::targets::{self, Targets};
 use super::tonemap::{self, Tonemap};
+use super::unit::Rescale;
 use super::view::{Eye, View};
 use super::{RenderError, lights, shaders};
 use crate::gpu::pass::{self, Binding};
@@ -39,7 +41,7 @@ use crate::gpu::timing::Timer;
 use crate::gpu::{Gpu, buffer};
 use crate::scene::Scene;
 use crate::scene::assets::Assets;
-use crate::transport::Transport;
+use crate::transport::{Occluders, Transport};
 
 /// The scene as it is now, and where it is looked at from.
 #[derive(Clone, Copy)]
@@ -60,6 +62,8 @@ pub struct Settings {
     pub samples: Option<u32>,
     /// How rows are summed; `None`: as suits the adapter.
     pub summed: Option<Summed>,
+    /// What tells patches whether a light reaches them; `None`: as suits adapter and scene.
+    pub patch_shadows: Option<PatchShadows>,
     /// Waits for what a frame measures before the next one, so that pictures repeat.
     pub wait: bool,
     /// Albedo as authored, however long light bounces in a closed room.
@@ -98,12 +102,9 @@ pub struct FrameUniform {
     pub pre_exposure: f32,
     pub curve: u32,
     pub capture: u32,
-    pub padding: [u32; 3],
+    pub light_unit: f32,
+    pub padding: [u32; 2],
 }
-
-/// Products of a frame while the light changes, and of the first one, which starts from darkness.
-const PRODUCTS: u32 = 2;
-const FIRST_PRODUCTS: u32 = 16;
 
 /// What is captured once waits until the error of light is below this share: of light that always moves, it is
 /// never 0.
@@ -116,6 +117,7 @@ const FRAME: wgpu::BufferUsages = wgpu::BufferUsages::UNIFORM.union(wgpu::Buffer
 pub struct Renderer {
     pub(super) gpu: Arc<Gpu>,
     pub(super) transport: Arc<Transport>,
+    pub(super) occluders: Occluders,
     pub(super) settings: Settings,
     pub(super) samples: u32,
     pub timer: Timer,
@@ -142,8 +144,8 @@ pub struct Renderer {
     pub(super) frame: wgpu::Buffer,
     pub(super) frame_group: wgpu::BindGroup,
     pub(super) target: Option<(Targets, wgpu::BindGroup)>,
-    /// Counts changes of what the bounce starts from.
-    pub(super) version: u64,
+    pub(super) rescale: Rescale,
+    pub(super) steering: Steering,
     /// Probes hold what is current.
     pub(super) probes_current: bool,
     /// What captures show, and changes of the sky.
@@ -174,6 +176,7 @@ impl Renderer {
             paged("probe", &transport.probe_from_patch)?,
         ];
         let spaces = Spaces::new(gpu_ref, &transport)?;
+        let occluders = Occluders::new(&transport);
         let mut pictures = Pictures::new(gpu_ref, library)?;
         let materials = Materials::new(gpu_ref, assets, &mut pictures);
         let shadows = Shadows::new(gpu_ref, library, materials.layout())?;
@@ -186,10 +189,19 @@ impl Renderer {
             still: StillBuffers::new(gpu_ref, &transport)?,
             instances: Instances::new(gpu_ref, &transport),
             sources: Sources::new(transport.clone(), settings.unlimited_gain),
-            direct: Direct::new(gpu_ref, library, frame_layout, scene_layout, &spaces)?,
+            direct: Direct::new(
+                gpu_ref,
+                library,
+                [frame_layout, scene_layout],
+                &spaces,
+                &transport,
+                &occluders,
+                settings.patch_shadows,
+            )?,
             bounce: Bounce::new(gpu_ref, library, page, patch_rows, summed, &spaces)?,
             coarse: Coarse::new(gpu_ref, library, &spaces)?,
-            gather: Gather::new(gpu_ref, library, page, read_rows, summed, &spaces)?,
+            gather: Gather::new(gpu_ref, library, [frame_layout, page], read_rows, summed, &spaces)?,
+            rescale: Rescale::new(gpu_ref, library, &spaces)?,
             reflections: Reflections::new(gpu_ref, library, frame_layout)?,
             surfaces: Surfaces::new(gpu_ref, library, frame_layout, scene_layout, materials.layout())?,
             patches: Patches::new(gpu_ref, library, frame_layout)?,
@@ -199,12 +211,13 @@ impl Renderer {
             overlay: Overlay::new(gpu_ref, library)?,
             frame_group: pass::buffers(gpu_ref, "frame", frame_layout, &[&frame]),
             frame,
+            occluders,
             shadows,
             spaces,
             pictures,
             materials,
             target: None,
-            version: 0,
+            steering: Steering::default(),
             probes_current: false,
             seen: (Seen::default(), 0),
             moved: 0,
@@ -226,7 +239,9 @@ impl Renderer {
         self.instances.update(gpu, now, &self.transport, &self.materials, &mut self.meshes);
         let lights = lights::placed(now, &self.instances, self.transport.origin);
         let sky_changed = self.sky.update(gpu, now.assets, &mut self.pictures, &now.scene.sky.kind, &lights);
-        let emitted = self.sources.update(gpu, now, materials_changed, &self.spaces, &mut self.coarse)?;
+        let brightest = lights::brightest(&lights).max(self.steering.brightest());
+        let emitted =
+            self.sources.update(gpu, now, materials_changed, brightest, &self.spaces, &mut self.coarse)?;
 
         // What the lights see.
         let casters = Casters {
@@ -236,11 +251,13 @@ impl Renderer {
             materials: &self.materials,
         };
         let shadowed = self.shadows.update(gpu, &mut encoder, &mut self.timer, &lights, &casters);
+        let mapped = self.shadows.lights();
+        let lit = self.direct.follow(gpu, &lights, &casters, mapped, shadowed.changed);
         let uniform = self.write_frame(gpu, now, display);
 
         // Light on patches, then from patch to patch, then to receivers and probes.
-        let changed = shadowed.changed || emitted.albedo || emitted.emission;
-        let mut drawn = self.light(&mut encoder, changed, emitted.emission);
+        let dark = !self.sources.shines() && !lights.iter().any(lights::shines);
+        let mut drawn = self.light(&mut encoder, lit, emitted, dark);
 
         // What reflection probes see.
         let stirred = shadowed.changed || materials_changed || drawn.transport_dispatches > 0;
@@ -261,29 +278,6 @@ impl Renderer {
         self.finish(gpu)?;
         drawn.bound = self.bound();
         Ok(drawn)
-    }
-
-    /// Direct light, bounce and gather: what of them is needed.
-    fn light(&mut self, encoder: &mut wgpu::CommandEncoder, changed: bool, emission: bool) -> Drawn {
-        let (timer, mut dispatches) = (&mut self.timer, 0);
-        if changed {
-            self.version += 1;
-            dispatches += self.direct.run(encoder, timer, &self.frame_group, self.shadows.scene_group());
-        }
-        let gain = self.sources.cavity_gain(self.settings.wait);
-        let products = products(self.bounce.measured, self.version, gain);
-        dispatches += self.bounce.run(encoder, timer, &self.coarse, products, self.version);
-        let moving = self.instances.any_moving();
-        let probes_late = moving && !self.probes_current;
-        if emission || probes_late {
-            dispatches += self.gather.run(encoder, timer, Source::Emitted, moving);
-        }
-        if products > 0 || probes_late {
-            dispatches += self.gather.run(encoder, timer, Source::Bounced, moving);
-        }
-        // What moves no longer may come back after the light has changed.
-        self.probes_current = moving;
-        Drawn { transport_dispatches: dispatches, products, ..Drawn::default() }
     }
 
     /// Counts what captures show.
@@ -429,7 +423,8 @@ impl Renderer {
             pre_exposure: if shows_light { exposure::pre_exposure(now.eye.exposure) } else { 1.0 },
             curve: tonemap::curve_of(now.view, now.eye.tonemap),
             capture: 0,
-            padding: [0; 3],
+            light_unit: self.sources.unit(),
+            padding: [0; 2],
         };
         gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
         uniform
@@ -447,18 +442,11 @@ impl Renderer {
         Ok(())
     }
 
-    /// Takes in what has come back from the GPU.
+    /// What earlier frames measured.
     fn receive(&mut self) {
-        self.bounce.receive();
+        self.bounce.receive().for_each(|measured| self.steering.receive(measured));
         self.reflections.receive();
         self.timer.receive();
         self.exposure.receive();
     }
-}
-
-/// How many products the light needs now: none once it is known to be solved.
-fn products(measured: Option<Measured>, version: u64, cavity_gain: f32) -> u32 {
-    let Some(measured) = measured else { return FIRST_PRODUCTS };
-    let bound = measured.bound(cavity_gain);
-    if measured.version == version && bound <= TOLERANCE { 0 } else { PRODUCTS }
 }

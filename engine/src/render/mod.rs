@@ -19,6 +19,8 @@ pub mod meshes;
 pub mod overlay;
 pub mod patches;
 pub mod pictures;
+mod radiosity;
+pub mod rays;
 pub mod reflections;
 pub mod rows;
 pub mod shaders;
@@ -27,12 +29,15 @@ mod shadow_view;
 pub mod sky;
 pub mod sources;
 pub mod spaces;
+pub mod steering;
 pub mod surface;
 pub mod targets;
 pub mod tonemap;
+pub mod unit;
 pub mod view;
 
 use crate::gpu::GpuError;
+pub use direct::PatchShadows;
 pub use frame::{Drawn, Now, Renderer, Settings};
 pub use view::{Eye, View};
 

@@ -29,6 +29,7 @@ pub mod reflection;
 pub mod rows;
 pub mod sh;
 pub mod sky;
+pub mod solid_angle;
 pub mod solve;
 pub mod stale;
 pub mod surface;
