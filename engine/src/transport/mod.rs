@@ -28,6 +28,7 @@ pub mod sh;
 pub mod sky;
 pub mod solve;
 pub mod surface;
+pub mod tetrahedra;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
