@@ -8,6 +8,7 @@ mod cache;
 mod certify;
 mod chart;
 mod cut;
+mod depth;
 mod directions;
 mod emitter;
 mod holes;
@@ -207,6 +208,9 @@ fn run(
     certificate.key = key;
     certificate.warnings = opened.warnings.iter().map(Warning::to_string).collect();
     certificate.left_out = left_out(&opened.scene);
+    if !transport.probes.is_empty() && transport.depths.probes.is_empty() {
+        certificate.left_out.push("depths of light probes: no wall stands between neighbours".to_owned());
+    }
     if !unchanged {
         certificate.threads = rayon::current_num_threads();
         certificate.seconds = started.elapsed().as_secs_f64();

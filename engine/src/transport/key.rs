@@ -16,8 +16,8 @@ pub struct BakeWith {
     pub length: f64,
 }
 
-/// Counts up whenever the same input bakes to other bytes.
-const METHOD: u32 = 2;
+/// Counts up whenever the same input bakes to other bytes. 3: probes beside walls keep how far they see.
+const METHOD: u32 = 3;
 
 /// Two scenes with one key have the same transport. A file that cannot be read counts as absent.
 pub fn transport_key(project: &Path, scene: &Scene, with: &BakeWith) -> String {
