@@ -16,7 +16,9 @@ struct Frame {
     view: u32,
     /// 1 where the target does not encode sRGB by itself.
     encode: u32,
-    padding: vec2u,
+    /// 1 for a reflection probe's camera.
+    capture: u32,
+    padding: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -24,10 +26,11 @@ struct Frame {
 const COMPOSITE: u32 = 0u;
 const DIRECT: u32 = 1u;
 const INDIRECT: u32 = 2u;
-const ALBEDO: u32 = 3u;
-const NORMAL: u32 = 4u;
-const PATCHES: u32 = 5u;
-const DENSITY: u32 = 6u;
+const REFLECTION: u32 = 3u;
+const ALBEDO: u32 = 4u;
+const NORMAL: u32 = 5u;
+const PATCHES: u32 = 6u;
+const DENSITY: u32 = 7u;
 
 /// From a point to the eye, unit.
 fn to_eye(position: vec3f) -> vec3f {

@@ -42,7 +42,9 @@ fn corner(@builtin(vertex_index) index: u32) -> Point {
 @fragment
 fn behind(point: Point) -> @location(0) vec4f {
     let direction = normalize(frame.forward + frame.right * point.at.x + frame.up * point.at.y);
-    let radiance = radiance_from(direction) + disc(direction);
+    var radiance = radiance_from(direction);
+    // The sun's own light makes its highlights: captures would show them twice.
+    radiance += select(disc(direction), vec3f(0.0), frame.capture == 1u);
     // What half floats hold.
     return vec4f(min(radiance, vec3f(65000.0)), 1.0);
 }

@@ -90,7 +90,7 @@ fn exposure(text: &str) -> Result<f32, String> {
 }
 
 /// Views that later versions bring.
-const LATER: [&str; 3] = ["reflection", "probes", "tetrahedra"];
+const LATER: [&str; 2] = ["probes", "tetrahedra"];
 
 fn view(text: &str) -> Result<View, String> {
     if LATER.contains(&text) {

@@ -18,6 +18,8 @@ pub enum Binding {
     Texels,
     MultisampledTexels,
     DepthLayers,
+    Cube,
+    Cubes,
     Sampler,
     Comparison,
 }
@@ -61,6 +63,8 @@ fn binding_type(binding: Binding) -> wgpu::BindingType {
         Binding::Texels => texture(float(false), d2, false),
         Binding::MultisampledTexels => texture(float(false), d2, true),
         Binding::DepthLayers => texture(wgpu::TextureSampleType::Depth, layers, false),
+        Binding::Cube => texture(float(true), wgpu::TextureViewDimension::Cube, false),
+        Binding::Cubes => texture(float(true), wgpu::TextureViewDimension::CubeArray, false),
         Binding::Sampler => wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
         Binding::Comparison => wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Comparison),
     }

@@ -92,6 +92,51 @@ pub fn layer(texture: &wgpu::Texture, layer: u32) -> wgpu::TextureView {
     })
 }
 
+/// Cubemaps with their smaller levels, to draw into and to read, of half floats. wgpu's OpenGL takes one cube for
+/// something else than an array of cubes: to be bound as an array there have to be two.
+pub fn cubes(gpu: &Gpu, label: &str, size: u32, cubes: u32, levels: u32) -> wgpu::Texture {
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: extent([size, size], cubes * 6),
+        mip_level_count: levels,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba16Float,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT
+            | wgpu::TextureUsages::TEXTURE_BINDING
+            | wgpu::TextureUsages::COPY_SRC
+            | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    })
+}
+
+/// The whole of a cubemap, or of an array of them, to be read.
+pub fn as_cubes(texture: &wgpu::Texture, dimension: wgpu::TextureViewDimension) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor { dimension: Some(dimension), ..Default::default() })
+}
+
+/// One level of a cubemap, to be read.
+pub fn cube_level(texture: &wgpu::Texture, level: u32) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::Cube),
+        base_mip_level: level,
+        mip_level_count: Some(1),
+        ..Default::default()
+    })
+}
+
+/// One level of one layer, to be drawn into.
+pub fn layer_level(texture: &wgpu::Texture, layer: u32, level: u32) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::D2),
+        base_mip_level: level,
+        mip_level_count: Some(1),
+        base_array_layer: layer,
+        array_layer_count: Some(1),
+        ..Default::default()
+    })
+}
+
 /// A picture without its smaller levels yet: 8 bits RGBA rows from the top.
 pub fn rgba8(
     gpu: &Gpu,

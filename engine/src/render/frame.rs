@@ -20,12 +20,14 @@ use super::materials::Materials;
 use super::meshes::{Meshes, StillBuffers};
 use super::patches::Patches;
 use super::pictures::Pictures;
+use super::reflections::capture::Set;
+use super::reflections::{Captured, Reflections, Seen};
 use super::rows::{self, PagedRows, Summed};
 use super::shadow::{Casters, Shadows};
 use super::sky::SkyPass;
 use super::sources::Sources;
 use super::spaces::Spaces;
-use super::surface::{Scenery, Surfaces};
+use super::surface::{Look, Scenery, Surfaces, Which};
 use super::targets::{self, Targets};
 use super::tonemap::Tonemap;
 use super::view::{Eye, View};
@@ -70,6 +72,8 @@ pub struct Drawn {
     pub products: u32,
     pub draws: u32,
     pub shadow_draws: u32,
+    /// Faces of cubemaps.
+    pub captures: u32,
     /// The error of B is at most this share of the largest B: measured last, which is before this frame's last
     /// product. `None`: nothing was measured yet.
     pub bound: Option<f32>,
@@ -89,7 +93,8 @@ pub struct FrameUniform {
     pub lights: u32,
     pub view: u32,
     pub encode: u32,
-    pub padding: [u32; 2],
+    pub capture: u32,
+    pub padding: u32,
 }
 
 /// Products of a frame while the light changes, and of the first one, which starts from darkness.
@@ -115,6 +120,7 @@ pub struct Renderer {
     pub(super) bounce: Bounce,
     pub(super) coarse: Coarse,
     pub(super) gather: Gather,
+    pub(super) reflections: Reflections,
     pub(super) surfaces: Surfaces,
     pub(super) patches: Patches,
     pub(super) sky: SkyPass,
@@ -126,6 +132,9 @@ pub struct Renderer {
     pub(super) version: u64,
     /// Probes hold what is current.
     pub(super) probes_current: bool,
+    /// What captures show, and changes of the sky.
+    pub(super) seen: (Seen, u64),
+    moved: u64,
 }
 
 impl Renderer {
@@ -167,14 +176,8 @@ impl Renderer {
             bounce: Bounce::new(gpu_ref, library, page, patch_rows, summed, &spaces)?,
             coarse: Coarse::new(gpu_ref, library, &spaces)?,
             gather: Gather::new(gpu_ref, library, page, read_rows, summed, &spaces)?,
-            surfaces: Surfaces::new(
-                gpu_ref,
-                library,
-                frame_layout,
-                scene_layout,
-                materials.layout(),
-                &spaces,
-            )?,
+            reflections: Reflections::new(gpu_ref, library, frame_layout)?,
+            surfaces: Surfaces::new(gpu_ref, library, frame_layout, scene_layout, materials.layout())?,
             patches: Patches::new(gpu_ref, library, frame_layout)?,
             sky: SkyPass::new(gpu_ref, library, frame_layout, &pictures)?,
             tonemap: Tonemap::new(gpu_ref, library, frame_layout)?,
@@ -187,6 +190,8 @@ impl Renderer {
             target: None,
             version: 0,
             probes_current: false,
+            seen: (Seen::default(), 0),
+            moved: 0,
             transport,
             gpu,
         };
@@ -205,7 +210,7 @@ impl Renderer {
         let materials_changed = self.materials.update(gpu, now.assets, &mut self.pictures, now.scene);
         self.instances.update(gpu, now, &self.transport, &self.materials, &mut self.meshes);
         let lights = lights::placed(now, &self.instances, self.transport.origin);
-        self.sky.update(gpu, now.assets, &mut self.pictures, &now.scene.sky.kind, &lights);
+        let sky_changed = self.sky.update(gpu, now.assets, &mut self.pictures, &now.scene.sky.kind, &lights);
         let emitted = self.sources.update(gpu, now, materials_changed, &self.spaces, &mut self.coarse)?;
 
         // What the lights see.
@@ -216,15 +221,22 @@ impl Renderer {
             materials: &self.materials,
         };
         let shadowed = self.shadows.update(gpu, &mut encoder, &mut self.timer, &lights, &casters);
-        self.write_frame(gpu, now, display);
+        let uniform = self.write_frame(gpu, now, display);
 
         // Light on patches, then from patch to patch, then to receivers and probes.
         let changed = shadowed.changed || emitted.albedo || emitted.emission;
         let mut drawn = self.light(&mut encoder, changed, emitted.emission);
 
+        // What reflection probes see.
+        let stirred = shadowed.changed || materials_changed || drawn.transport_dispatches > 0;
+        self.follow(stirred, sky_changed);
+        let settled = drawn.transport_dispatches == 0;
+        let captured = self.reflect(gpu, &mut encoder, now, uniform, settled);
+        drawn.captures = captured.faces;
+
         // The picture.
         drawn.shadow_draws = shadowed.draws;
-        drawn.draws = shadowed.draws + self.paint(gpu, &mut encoder, now, display);
+        drawn.draws = shadowed.draws + captured.draws + self.paint(gpu, &mut encoder, now, display);
         self.timer.resolve(&mut encoder);
         gpu.queue.submit([encoder.finish()]);
         self.timer.sent();
@@ -257,6 +269,46 @@ impl Renderer {
         Drawn { transport_dispatches: dispatches, products, ..Drawn::default() }
     }
 
+    /// Counts what captures show.
+    fn follow(&mut self, stirred: bool, sky_changed: bool) {
+        let (seen, sky) = &mut self.seen;
+        // The first sky is a change, too.
+        *sky += u64::from(sky_changed || *sky == 0);
+        seen.still += u64::from(stirred || sky_changed);
+        let moved = self.instances.signature();
+        seen.moving += u64::from(self.moved != moved);
+        self.moved = moved;
+    }
+
+    /// Reflection probes: who reads which, and the captures that are due.
+    fn reflect(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        now: &Now<'_>,
+        frame: FrameUniform,
+        settled: bool,
+    ) -> Captured {
+        self.reflections.update(gpu, now, &self.instances, self.transport.origin);
+        self.surfaces.bind(gpu, &self.spaces, &self.reflections);
+        let scenery = Scenery {
+            scene: self.shadows.scene_group(),
+            instances: &self.instances,
+            still: &self.still,
+            meshes: &self.meshes,
+            materials: &self.materials,
+        };
+        let mut set = Set {
+            gpu,
+            timer: &mut self.timer,
+            surfaces: &mut self.surfaces,
+            sky: &mut self.sky,
+            scenery: &scenery,
+            frame: FrameUniform { view: View::Composite as u32, capture: 1, ..frame },
+        };
+        self.reflections.capture(encoder, &mut set, self.seen, settled)
+    }
+
     /// Surfaces, sky, blended surfaces, tonemap. Returns the draws.
     fn paint(
         &mut self,
@@ -273,13 +325,19 @@ impl Renderer {
         }
         let Some(target) = &self.target else { return 0 };
         let scenery = Scenery {
-            frame: &self.frame_group,
             scene: self.shadows.scene_group(),
             instances: &self.instances,
             still: &self.still,
             meshes: &self.meshes,
             materials: &self.materials,
-            eye: (now.eye.position - self.transport.origin).as_vec3(),
+        };
+        let origin = self.transport.origin;
+        let look = Look {
+            frame: &self.frame_group,
+            clip_from_world: now.eye.clip_from_world(origin, size[0] as f32 / size[1].max(1) as f32),
+            eye: (now.eye.position - origin).as_vec3(),
+            samples: self.samples,
+            mirrored: false,
         };
         let mut pass = target.0.begin(encoder, self.timer.render("surface"));
         let mut draws = 1;
@@ -288,11 +346,12 @@ impl Renderer {
             draws +=
                 self.patches.draw(gpu, &mut pass, &self.frame_group, &self.transport, shown, self.samples);
         } else {
-            draws += self.surfaces.draw(gpu, &mut pass, &scenery, false, self.samples);
+            let all = Which { blended: false, still: true, moving: true };
+            draws += self.surfaces.draw(gpu, &mut pass, &scenery, &look, all);
             if now.view.shows_sky() {
                 draws += self.sky.draw(gpu, &mut pass, &self.frame_group, self.samples);
             }
-            draws += self.surfaces.draw(gpu, &mut pass, &scenery, true, self.samples);
+            draws += self.surfaces.draw(gpu, &mut pass, &scenery, &look, Which { blended: true, ..all });
         }
         drop(pass);
         let timer = &mut self.timer;
@@ -300,7 +359,7 @@ impl Renderer {
         draws
     }
 
-    fn write_frame(&self, gpu: &Gpu, now: &Now<'_>, display: &wgpu::Texture) {
+    fn write_frame(&self, gpu: &Gpu, now: &Now<'_>, display: &wgpu::Texture) -> FrameUniform {
         let aspect = display.width() as f32 / display.height().max(1) as f32;
         let origin = self.transport.origin;
         let (eye, [forward, right, up]) = now.eye.rays(origin, aspect);
@@ -315,9 +374,11 @@ impl Renderer {
             lights: self.shadows.light_count(),
             view: now.view as u32,
             encode: u32::from(!display.format().is_srgb()),
-            padding: [0; 2],
+            capture: 0,
+            padding: 0,
         };
         gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
+        uniform
     }
 
     fn finish(&mut self, gpu: &Gpu) -> Result<(), RenderError> {

@@ -1,6 +1,7 @@
 //! What is drawn now: batches of the baked surface, and meshes of everything that moves.
 
 use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::ops::Range;
 
 use bytemuck::{Pod, Zeroable};
@@ -28,6 +29,8 @@ pub struct Instance {
 /// Triangles with one material at one place.
 #[derive(Clone, Debug)]
 pub struct Draw {
+    /// Into the scene's; `None`: no more there.
+    pub entity: Option<usize>,
     /// `None`: the baked surface.
     pub mesh: Option<usize>,
     /// Into the instances, for what moves.
@@ -110,6 +113,16 @@ impl Instances {
         self.index_of.get(&entity).is_none_or(|&index| self.hidden[index])
     }
 
+    /// A number for all that is drawn: where what moves stands, what is shown, and of which material.
+    pub fn signature(&self) -> u64 {
+        let mut hasher = DefaultHasher::new();
+        for draw in &self.draws {
+            (draw.mesh, draw.shown, draw.material, &draw.indices).hash(&mut hasher);
+        }
+        bytemuck::cast_slice::<_, u8>(&self.items).hash(&mut hasher);
+        hasher.finish()
+    }
+
     /// Whether anything is drawn that the bake does not light.
     pub fn any_moving(&self) -> bool {
         !self.items.is_empty()
@@ -124,6 +137,7 @@ impl Instances {
             let shown = renderer.is_some();
             let material = materials.index(MaterialId(batch.material));
             self.draws.push(Draw {
+                entity,
                 mesh: None,
                 instance: 0,
                 indices: batch.first * 3..(batch.first + batch.count) * 3,
@@ -167,6 +181,7 @@ impl Instances {
             let id = renderer.materials.get(at).or(renderer.materials.last()).copied();
             let material = id.map_or(0, |id| materials.index(id));
             self.draws.push(Draw {
+                entity: Some(index),
                 mesh: Some(mesh_index),
                 instance,
                 indices: primitive.first..primitive.first + primitive.count,

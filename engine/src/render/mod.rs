@@ -17,6 +17,7 @@ pub mod materials;
 pub mod meshes;
 pub mod patches;
 pub mod pictures;
+pub mod reflections;
 pub mod rows;
 pub mod shaders;
 pub mod shadow;

@@ -14,6 +14,8 @@ pub enum View {
     Direct,
     /// All that bounced.
     Indirect,
+    /// What comes from cubemaps, or stands in for it.
+    Reflection,
     Albedo,
     Normal,
     /// Each patch in a colour of its own.
@@ -23,10 +25,11 @@ pub enum View {
 }
 
 impl View {
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Composite,
         Self::Direct,
         Self::Indirect,
+        Self::Reflection,
         Self::Albedo,
         Self::Normal,
         Self::Patches,
@@ -38,6 +41,7 @@ impl View {
             Self::Composite => "composite",
             Self::Direct => "direct",
             Self::Indirect => "indirect",
+            Self::Reflection => "reflection",
             Self::Albedo => "albedo",
             Self::Normal => "normal",
             Self::Patches => "patches",

@@ -25,6 +25,7 @@ pub mod file;
 pub mod key;
 pub mod materials;
 pub mod probe_field;
+pub mod reflection;
 pub mod rows;
 pub mod sh;
 pub mod sky;
