@@ -31,6 +31,8 @@ const ALBEDO: u32 = 4u;
 const NORMAL: u32 = 5u;
 const PATCHES: u32 = 6u;
 const DENSITY: u32 = 7u;
+const PROBES: u32 = 8u;
+const TETRAHEDRA: u32 = 9u;
 
 /// From a point to the eye, unit.
 fn to_eye(position: vec3f) -> vec3f {

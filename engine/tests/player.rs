@@ -211,8 +211,7 @@ fn a_scene_without_a_bake_is_refused_with_the_remedy() {
 #[test]
 fn wrong_usage_is_2_and_says_what_is_right() {
     let nowhere = Path::new("nowhere");
-    let wrong: [(&[&str], &str); 7] = [
-        (&["--view", "probes"], "later version"),
+    let wrong: [(&[&str], &str); 6] = [
         (&["--view", "wonderful"], "composite, direct"),
         (&["--size", "0x10"], "1280x720"),
         (&["--frames", "0"], "frames"),

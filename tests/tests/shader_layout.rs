@@ -12,6 +12,7 @@ use engine::render::rows::PageUniform;
 use engine::render::shaders;
 use engine::render::shadow::ShadowView;
 use engine::render::sky::SkyUniform;
+use engine::transport::probe_field::Weights;
 use engine::transport::{Patch, Sample};
 use naga::{Module, TypeInner};
 
@@ -95,6 +96,11 @@ fn patches_and_samples() {
         ("normal", offset_of!(Sample, normal)),
     ];
     compare(shaders::DIRECT, "Sample", fields, size_of::<Sample>());
+}
+
+#[test]
+fn weights_of_probes() {
+    compare(shaders::OBJECTS, "Weights", fields!(Weights: probes, weights), size_of::<Weights>());
 }
 
 #[test]

@@ -89,13 +89,7 @@ fn exposure(text: &str) -> Result<f32, String> {
     stops.ok_or_else(|| "give stops between -64 and 64".to_owned())
 }
 
-/// Views that later versions bring.
-const LATER: [&str; 2] = ["probes", "tetrahedra"];
-
 fn view(text: &str) -> Result<View, String> {
-    if LATER.contains(&text) {
-        return Err(format!("view {text} comes with a later version"));
-    }
     let names = View::ALL.map(View::name).join(", ");
     let found = View::ALL.into_iter().find(|view| view.name() == text);
     found.ok_or_else(|| format!("there are: {names}"))

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::frame::Renderer;
+use super::objects::Objects;
 use super::spaces::Spaces;
 use super::targets::Targets;
 use crate::gpu::Gpu;
@@ -27,6 +28,11 @@ impl Renderer {
         &self.spaces
     }
 
+    /// The light of what moves.
+    pub fn objects(&self) -> &Objects {
+        &self.objects
+    }
+
     /// What the last frame was drawn into before the tonemap.
     pub fn targets(&self) -> Option<&Targets> {
         self.target.as_ref().map(|(targets, _)| targets)
@@ -41,7 +47,7 @@ impl Renderer {
     pub fn bytes(&self) -> [(&'static str, u64); 8] {
         [
             ("rows", self.bounce.bytes() + self.gather.bytes()),
-            ("light", self.spaces.bytes),
+            ("light", self.spaces.bytes + self.objects.bytes()),
             ("coarse correction", self.coarse.bytes),
             ("surface", self.still.bytes),
             ("meshes", self.meshes.bytes()),

@@ -13,13 +13,17 @@ use glam::{DAffine3, Mat4, Vec3, Vec4};
 
 use super::bounce::{Bounce, Measured, TOLERANCE};
 use super::coarse::Coarse;
+use super::dering::Dering;
 use super::direct::Direct;
 use super::gather::{Gather, Source};
 use super::instances::Instances;
+use super::lines::Lines;
 use super::materials::Materials;
 use super::meshes::{Meshes, StillBuffers};
+use super::objects::Objects;
 use super::patches::Patches;
 use super::pictures::Pictures;
+use super::probes::{self, Probes};
 use super::reflections::capture::Set;
 use super::reflections::{Captured, Reflections, Seen};
 use super::rows::{self, PagedRows, Summed};
@@ -67,7 +71,7 @@ pub struct Settings {
 /// What a frame came to.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Drawn {
-    /// Of direct light, bounce and gather.
+    /// Of direct light, bounce, gather and what makes moving objects' light of it.
     pub transport_dispatches: u32,
     pub products: u32,
     pub draws: u32,
@@ -120,9 +124,13 @@ pub struct Renderer {
     pub(super) bounce: Bounce,
     pub(super) coarse: Coarse,
     pub(super) gather: Gather,
+    pub(super) dering: Dering,
+    pub(super) objects: Objects,
     pub(super) reflections: Reflections,
     pub(super) surfaces: Surfaces,
     pub(super) patches: Patches,
+    pub(super) probes: Probes,
+    pub(super) tetrahedra: Lines,
     pub(super) sky: SkyPass,
     pub(super) tonemap: Tonemap,
     pub(super) frame: wgpu::Buffer,
@@ -176,9 +184,13 @@ impl Renderer {
             bounce: Bounce::new(gpu_ref, library, page, patch_rows, summed, &spaces)?,
             coarse: Coarse::new(gpu_ref, library, &spaces)?,
             gather: Gather::new(gpu_ref, library, page, read_rows, summed, &spaces)?,
+            dering: Dering::new(gpu_ref, library, &spaces)?,
+            objects: Objects::new(gpu_ref, library, &transport, &spaces)?,
             reflections: Reflections::new(gpu_ref, library, frame_layout)?,
             surfaces: Surfaces::new(gpu_ref, library, frame_layout, scene_layout, materials.layout())?,
             patches: Patches::new(gpu_ref, library, frame_layout)?,
+            probes: Probes::new(gpu_ref, library, frame_layout, &spaces)?,
+            tetrahedra: Lines::new(gpu_ref, library, frame_layout)?,
             sky: SkyPass::new(gpu_ref, library, frame_layout, &pictures)?,
             tonemap: Tonemap::new(gpu_ref, library, frame_layout)?,
             frame_group: pass::buffers(gpu_ref, "frame", frame_layout, &[&frame]),
@@ -209,6 +221,7 @@ impl Renderer {
         // What stands where, what it is made of, what shines.
         let materials_changed = self.materials.update(gpu, now.assets, &mut self.pictures, now.scene);
         self.instances.update(gpu, now, &self.transport, &self.materials, &mut self.meshes);
+        self.objects.update(gpu, &self.instances, &self.spaces);
         let lights = lights::placed(now, &self.instances, self.transport.origin);
         let sky_changed = self.sky.update(gpu, now.assets, &mut self.pictures, &now.scene.sky.kind, &lights);
         let emitted = self.sources.update(gpu, now, materials_changed, &self.spaces, &mut self.coarse)?;
@@ -225,7 +238,7 @@ impl Renderer {
 
         // Light on patches, then from patch to patch, then to receivers and probes.
         let changed = shadowed.changed || emitted.albedo || emitted.emission;
-        let mut drawn = self.light(&mut encoder, changed, emitted.emission);
+        let mut drawn = self.light(&mut encoder, changed, emitted.emission, now.view);
 
         // What reflection probes see.
         let stirred = shadowed.changed || materials_changed || drawn.transport_dispatches > 0;
@@ -247,7 +260,13 @@ impl Renderer {
     }
 
     /// Direct light, bounce and gather: what of them is needed.
-    fn light(&mut self, encoder: &mut wgpu::CommandEncoder, changed: bool, emission: bool) -> Drawn {
+    fn light(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        changed: bool,
+        emission: bool,
+        view: View,
+    ) -> Drawn {
         let (timer, mut dispatches) = (&mut self.timer, 0);
         if changed {
             self.version += 1;
@@ -256,16 +275,21 @@ impl Renderer {
         let gain = self.sources.cavity_gain(self.settings.wait);
         let products = products(self.bounce.measured, self.version, gain);
         dispatches += self.bounce.run(encoder, timer, &self.coarse, products, self.version);
-        let moving = self.instances.any_moving();
-        let probes_late = moving && !self.probes_current;
-        if emission || probes_late {
-            dispatches += self.gather.run(encoder, timer, Source::Emitted, moving);
+        let probes_read = self.instances.any_moving() || view.shows_probes();
+        let probes_late = probes_read && !self.probes_current;
+        let mut probes_changed = false;
+        for (source, is_new) in [(Source::Emitted, emission), (Source::Bounced, products > 0)] {
+            if is_new || probes_late {
+                dispatches += self.gather.run(encoder, timer, source, probes_read);
+            }
+            if probes_read && (is_new || probes_late) {
+                dispatches += self.dering.run(encoder, timer, source);
+                probes_changed = true;
+            }
         }
-        if products > 0 || probes_late {
-            dispatches += self.gather.run(encoder, timer, Source::Bounced, moving);
-        }
+        dispatches += self.objects.run(encoder, timer, probes_changed);
         // What moves no longer may come back after the light has changed.
-        self.probes_current = moving;
+        self.probes_current = probes_read;
         Drawn { transport_dispatches: dispatches, products, ..Drawn::default() }
     }
 
@@ -290,7 +314,7 @@ impl Renderer {
         settled: bool,
     ) -> Captured {
         self.reflections.update(gpu, now, &self.instances, self.transport.origin);
-        self.surfaces.bind(gpu, &self.spaces, &self.reflections);
+        self.surfaces.bind(gpu, &self.spaces, &self.objects, &self.reflections);
         let scenery = Scenery {
             scene: self.shadows.scene_group(),
             instances: &self.instances,
@@ -352,6 +376,14 @@ impl Renderer {
                 draws += self.sky.draw(gpu, &mut pass, &self.frame_group, self.samples);
             }
             draws += self.surfaces.draw(gpu, &mut pass, &scenery, &look, Which { blended: true, ..all });
+        }
+        let probes = (&*self.transport, self.objects.field());
+        if now.view == View::Probes {
+            draws += self.probes.draw(gpu, &mut pass, &self.frame_group, probes, self.samples);
+        }
+        if now.view == View::Tetrahedra {
+            self.tetrahedra.set(gpu, &probes::tetrahedra(probes.0, probes.1));
+            draws += self.tetrahedra.draw(gpu, &mut pass, &self.frame_group, self.samples);
         }
         drop(pass);
         let timer = &mut self.timer;

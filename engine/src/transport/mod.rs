@@ -20,6 +20,7 @@
 
 pub mod certificate;
 pub mod depths;
+pub mod dering;
 pub mod direct;
 pub mod file;
 pub mod key;
