@@ -23,8 +23,12 @@ fn sphere(
         light[k] = probes_direct[probe.x * 9u + k].xyz + probes_indirect[probe.x * 9u + k].xyz;
     }
     let lit = sh::irradiance(light, normal) / 3.14159265;
-    let radiance = select(vec3f(1.0, 0.02, 0.02) / frame.exposure, lit, probe.y == 1u);
-    return Point(frame.clip_from_world * vec4f(place.xyz + normal * place.w, 1.0), radiance);
+    var point = Point(frame.clip_from_world * vec4f(place.xyz + normal * place.w, 1.0), lit);
+    if probe.y == 0u {
+        point.radiance = vec3f(1.0, 0.02, 0.02) / frame.exposure;
+        point.clip.z = point.clip.w; // in front of the solid that it is in
+    }
+    return point;
 }
 
 @fragment

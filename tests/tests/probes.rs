@@ -142,6 +142,7 @@ fn a_probe_inside_a_wall_is_marked_and_changes_nothing() {
     let (with, _) = baked(&rooms(&closed(), &with_one));
     let valid: Vec<f32> = with.probes.iter().map(|probe| probe.valid).collect();
     assert_eq!(valid, [vec![1.0; with_one.len() - 1], vec![0.0]].concat());
+    assert!(with.certificate.left_out.iter().any(|line| line == "1 light probes: they are inside solids"));
     let (a, b) = (ProbeField::new(&without), ProbeField::new(&with));
     for point in points(0.1, 3.9).into_iter().step_by(7) {
         let at = point - with.origin.as_vec3();

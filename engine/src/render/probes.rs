@@ -15,7 +15,7 @@ use crate::transport::Transport;
 use crate::transport::probe_field::ProbeField;
 
 /// Of a sphere, in the median length of edges between probes; and where there are none [m].
-const RADIUS: f32 = 0.1;
+const RADIUS: f32 = 0.07;
 const RADIUS_ALONE: f32 = 0.1;
 /// Edges of the hull, and inside; linear.
 const ON_HULL: Vec4 = Vec4::new(1.0, 0.55, 0.05, 0.9);
