@@ -3,7 +3,6 @@
 
 mod aggregate;
 mod balance;
-mod bvh;
 mod cache;
 mod certify;
 mod chart;

@@ -10,7 +10,7 @@ struct Probe {
     row_z: vec4f,
     /// Where the cubemap was taken.
     position: vec3f,
-    /// Metres inside the box over which it fades.
+    /// Metres beyond the box over which it fades.
     fade: f32,
     /// Half the box, metres.
     half: vec3f,
@@ -66,7 +66,7 @@ struct Around {
 }
 
 fn around(position: vec3f, normal: vec3f, mirrored: vec3f, roughness: f32) -> Around {
-    var weights = weights_at(position);
+    var weights = weights_at(position, normal);
     var sum = Around(vec3f(0.0), vec3f(0.0), 0.0);
     for (var k = 0u; k < use_of.count; k++) {
         if weights[k] > 0.0 {
@@ -111,7 +111,8 @@ fn add(
     (*sum).known += weight;
 }
 
-fn weights_at(position: vec3f) -> array<f32, 8> {
+/// A surface is looked up from in front of it, so that it reads no probe through the wall behind it.
+fn weights_at(position: vec3f, normal: vec3f) -> array<f32, 8> {
     var weights: array<f32, 8>;
     for (var k = 0u; k < use_of.count; k++) {
         weights[k] = use_of.weights[k / 4u][k % 4u];
@@ -120,7 +121,8 @@ fn weights_at(position: vec3f) -> array<f32, 8> {
         return weights;
     }
     for (var k = 0u; k < use_of.count; k++) {
-        weights[k] = raw(probes[use_of.probes[k / 4u][k % 4u]], position);
+        let probe = probes[use_of.probes[k / 4u][k % 4u]];
+        weights[k] = raw(probe, position + normal * probe.fade);
     }
     var left = 1.0;
     var first = 0u;
@@ -148,7 +150,7 @@ fn in_box(probe: Probe, position: vec3f) -> vec3f {
 
 fn raw(probe: Probe, position: vec3f) -> f32 {
     let inside = (1.0 - abs(in_box(probe, position))) * probe.half;
-    let t = saturate(min(inside.x, min(inside.y, inside.z)) / probe.fade);
+    let t = saturate(1.0 + min(inside.x, min(inside.y, inside.z)) / probe.fade);
     return t * t * (3.0 - 2.0 * t);
 }
 

@@ -8,6 +8,8 @@ use engine::render::frame::FrameUniform;
 use engine::render::gather::MeanUniform;
 use engine::render::lights::GpuLight;
 use engine::render::materials::{MapUniform, MaterialUniform};
+use engine::render::reflections::prefilter::{PrefilterUniform, ProjectUniform};
+use engine::render::reflections::uses::{self, GpuReflectionProbe, ReflectionUse};
 use engine::render::rows::PageUniform;
 use engine::render::shaders;
 use engine::render::shadow::ShadowView;
@@ -51,8 +53,8 @@ macro_rules! fields {
 
 #[test]
 fn frame() {
-    let fields =
-        fields!(FrameUniform: clip_from_world, eye, forward, time, right, exposure, up, lights, view, encode);
+    let fields = fields!(FrameUniform: clip_from_world, eye, forward, time, right, exposure, up, lights, view,
+        encode, capture);
     compare(shaders::SURFACE, "Frame", fields, size_of::<FrameUniform>());
 }
 
@@ -75,6 +77,21 @@ fn shadow() {
     // Slots of a dynamic offset are wider than what the shader reads of them.
     compare(shaders::SHADOW, "ShadowView", fields!(ShadowView: clip_from_world), 64);
     assert_eq!(size_of::<ShadowView>(), 256);
+}
+
+#[test]
+fn reflections() {
+    let fields = fields!(GpuReflectionProbe: rows, position, fade, half, unit, cube, group, box_projection);
+    // Three rows there, one array here.
+    let rows = [("row_x", 0), ("row_y", 16), ("row_z", 32)];
+    let fields: Vec<_> = rows.into_iter().chain(fields[1..].iter().copied()).collect();
+    compare(shaders::SURFACE, "Probe", &fields, size_of::<GpuReflectionProbe>());
+    let fields = fields!(ReflectionUse: probes, weights, count, per_point, strength, last_level, sky);
+    compare(shaders::SURFACE, "Use", fields, uses::READ_BYTES as usize);
+    assert_eq!(size_of::<ReflectionUse>(), 256);
+    let fields = fields!(PrefilterUniform: forward, count, right, up, samples);
+    compare(shaders::PREFILTER, "Prefilter", fields, size_of::<PrefilterUniform>());
+    compare(shaders::PREFILTER, "Project", fields!(ProjectUniform: size, first), size_of::<ProjectUniform>());
 }
 
 #[test]

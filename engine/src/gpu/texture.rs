@@ -74,6 +74,22 @@ pub fn depth_layers(gpu: &Gpu, label: &str, size: u32, layers: u32) -> wgpu::Tex
     })
 }
 
+/// Layers of depth to draw into and to copy.
+pub fn copied_depth(gpu: &Gpu, label: &str, size: u32, layers: u32) -> wgpu::Texture {
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: extent([size, size], layers),
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Depth32Float,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT
+            | wgpu::TextureUsages::COPY_SRC
+            | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    })
+}
+
 /// All layers, to be read.
 pub fn as_layers(texture: &wgpu::Texture) -> wgpu::TextureView {
     texture.create_view(&wgpu::TextureViewDescriptor {
@@ -189,14 +205,29 @@ fn extent(size: [u32; 2], layers: u32) -> wgpu::Extent3d {
 
 /// Rows from the top, `texel` bytes a texel, without the padding that copies need. Blocks.
 pub fn read(gpu: &Gpu, texture: &wgpu::Texture, texel: u32) -> Result<Vec<u8>, GpuError> {
-    let (width, height) = (texture.width(), texture.height());
+    read_layer(gpu, texture, [0, 0], texel)
+}
+
+/// The same of one layer and level.
+pub fn read_layer(
+    gpu: &Gpu,
+    texture: &wgpu::Texture,
+    [layer, level]: [u32; 2],
+    texel: u32,
+) -> Result<Vec<u8>, GpuError> {
+    let (width, height) = ((texture.width() >> level).max(1), (texture.height() >> level).max(1));
     let row = width * texel;
     let padded = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
     let staging = buffer::staging(gpu, u64::from(padded) * u64::from(height));
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(padded), rows_per_image: None };
     encoder.copy_texture_to_buffer(
-        texture.as_image_copy(),
+        wgpu::TexelCopyTextureInfo {
+            texture,
+            mip_level: level,
+            origin: wgpu::Origin3d { x: 0, y: 0, z: layer },
+            aspect: wgpu::TextureAspect::All,
+        },
         wgpu::TexelCopyBufferInfo { buffer: &staging, layout },
         extent([width, height], 1),
     );

@@ -1,18 +1,47 @@
 //! What a renderer says of itself: bound, bytes, what it leaves out; and its light, for tests and reports.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
+use glam::DVec3;
+
+use super::RenderError;
 use super::frame::Renderer;
 use super::objects::Objects;
+use super::reflections::sight::Sight;
 use super::spaces::Spaces;
 use super::targets::Targets;
 use crate::gpu::Gpu;
+use crate::scene::EntityId;
 use crate::transport::Transport;
+use crate::transport::reflection::Cube;
 
 impl Renderer {
     /// The error of B is at most this share of the largest B.
     pub fn bound(&self) -> Option<f32> {
         Some(self.bounce.measured?.bound(self.sources.known_gain()))
+    }
+
+    /// Cubemaps of baked reflection probes, from disk.
+    pub fn give_cubemaps(&mut self, cubes: HashMap<EntityId, Cube>) {
+        self.reflections.give(cubes);
+    }
+
+    /// Cubemaps of baked reflection probes that were captured since this was last asked.
+    pub fn finished_cubemaps(&mut self) -> Result<Vec<(EntityId, Cube)>, RenderError> {
+        Ok(self.reflections.finished(&self.gpu)?)
+    }
+
+    /// Reflection probes that show nothing, as they stand inside a solid: entity, and a better place.
+    pub fn misplaced_probes(&self) -> Vec<(EntityId, String)> {
+        let said = |(entity, sight, better): (EntityId, Sight, Option<DVec3>)| {
+            let seen = sight.backs * 100.0;
+            let remedy = better.map_or("move it out".to_owned(), |at| {
+                format!("move it, for instance to {:.2}, {:.2}, {:.2}", at.x, at.y, at.z)
+            });
+            (entity, format!("it stands inside a solid ({seen:.0} % of what it sees are backs): {remedy}"))
+        };
+        self.reflections.misplaced(self.transport.origin).map(said).collect()
     }
 
     pub fn gpu(&self) -> &Gpu {
@@ -44,7 +73,7 @@ impl Renderer {
     }
 
     /// Bytes on the GPU by kind.
-    pub fn bytes(&self) -> [(&'static str, u64); 8] {
+    pub fn bytes(&self) -> [(&'static str, u64); 9] {
         [
             ("rows", self.bounce.bytes() + self.gather.bytes()),
             ("light", self.spaces.bytes + self.objects.bytes()),
@@ -53,6 +82,7 @@ impl Renderer {
             ("meshes", self.meshes.bytes()),
             ("pictures", self.pictures.bytes),
             ("shadow maps", self.shadows.bytes()),
+            ("cubemaps", self.reflections.bytes()),
             ("targets", self.targets().map_or(0, Targets::bytes)),
         ]
     }
@@ -68,6 +98,9 @@ impl Renderer {
         }
         if !self.instances.any_moving() {
             left_out.push("light probes: nothing moves".to_owned());
+        }
+        if !self.reflections.any() {
+            left_out.push("reflection cubemaps: nothing smooth, or no probe and no sky".to_owned());
         }
         if self.coarse.bytes == 0 {
             left_out.push("coarse correction: few bounces count".to_owned());

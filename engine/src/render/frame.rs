@@ -105,6 +105,10 @@ pub struct FrameUniform {
 const PRODUCTS: u32 = 2;
 const FIRST_PRODUCTS: u32 = 16;
 
+/// What is captured once waits until the error of light is below this share: of light that always moves, it is
+/// never 0.
+const SOLVED: f32 = 0.02;
+
 /// Long-lived pipelines and the bake on the GPU.
 pub struct Renderer {
     pub(super) gpu: Arc<Gpu>,
@@ -215,6 +219,7 @@ impl Renderer {
     pub fn draw(&mut self, now: &Now<'_>, display: &wgpu::Texture) -> Result<Drawn, RenderError> {
         let gpu = &*self.gpu.clone();
         self.bounce.receive();
+        self.reflections.receive();
         self.timer.receive();
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
 
@@ -243,7 +248,7 @@ impl Renderer {
         // What reflection probes see.
         let stirred = shadowed.changed || materials_changed || drawn.transport_dispatches > 0;
         self.follow(stirred, sky_changed);
-        let settled = drawn.transport_dispatches == 0;
+        let settled = drawn.transport_dispatches == 0 || self.bound().is_some_and(|bound| bound <= SOLVED);
         let captured = self.reflect(gpu, &mut encoder, now, uniform, settled);
         drawn.captures = captured.faces;
 
@@ -254,6 +259,7 @@ impl Renderer {
         gpu.queue.submit([encoder.finish()]);
         self.timer.sent();
         self.bounce.sent();
+        self.reflections.sent();
         self.finish(gpu)?;
         drawn.bound = self.bound();
         Ok(drawn)
@@ -313,7 +319,7 @@ impl Renderer {
         frame: FrameUniform,
         settled: bool,
     ) -> Captured {
-        self.reflections.update(gpu, now, &self.instances, self.transport.origin);
+        self.reflections.update(gpu, now, &self.instances, &self.transport);
         self.surfaces.bind(gpu, &self.spaces, &self.objects, &self.reflections);
         let scenery = Scenery {
             scene: self.shadows.scene_group(),
@@ -422,6 +428,7 @@ impl Renderer {
         }
         gpu.check()?;
         self.bounce.receive();
+        self.reflections.receive();
         self.timer.receive();
         Ok(())
     }

@@ -106,10 +106,6 @@ impl Materials {
         &self.entries[index].material
     }
 
-    pub fn all(&self) -> impl Iterator<Item = &Material> {
-        self.entries.iter().map(|entry| &entry.material)
-    }
-
     pub fn group(&self, index: usize) -> &wgpu::BindGroup {
         &self.entries[index].group
     }

@@ -18,6 +18,7 @@
 //!
 //! Everything here is geometry; albedo, emission, lights and sky are put in at run time.
 
+pub mod bvh;
 pub mod certificate;
 pub mod depths;
 pub mod dering;
@@ -25,6 +26,7 @@ pub mod direct;
 pub mod file;
 pub mod key;
 pub mod materials;
+pub mod occluders;
 pub mod probe_field;
 pub mod reflection;
 pub mod rows;
@@ -40,6 +42,7 @@ use glam::{DVec3, Vec3};
 use crate::scene::EntityId;
 pub use certificate::Certificate;
 pub use depths::Depths;
+pub use occluders::Occluders;
 pub use rows::Rows;
 pub use surface::{Batch, Surface, Vertex};
 

@@ -212,7 +212,7 @@ fn face_uniform(shared: &FrameUniform, face: usize, position: Vec3, near: f32) -
 }
 
 fn depth(gpu: &Gpu, size: u32, layers: u32) -> wgpu::Texture {
-    texture::depth_layers(gpu, "capture depth", size, layers)
+    texture::copied_depth(gpu, "capture depth", size, layers)
 }
 
 fn begin<'a>(

@@ -6,12 +6,17 @@
 //!
 //! Cubemap 0 of the array is the sky's, cubemap k + 1 that of probe k.
 
+pub mod baked;
 pub mod capture;
 pub mod prefilter;
 mod schedule;
+mod settling;
+pub mod sight;
 pub mod uses;
 
-use glam::DVec3;
+use std::collections::HashMap;
+
+use glam::{DVec3, Vec3};
 
 use super::frame::Now;
 use super::instances::Instances;
@@ -20,11 +25,14 @@ use crate::gpu::shader::Library;
 use crate::gpu::{Gpu, GpuError, texture};
 use crate::scene::{EntityId, Material, ReflectionProbe};
 use crate::transport::reflection::influence::Influence;
-use crate::transport::reflection::{MOST_IN_CAPTURES, ROUGH, ggx};
+use crate::transport::reflection::{Cube, ROUGH, ggx};
+use crate::transport::{Occluders, Transport};
 use capture::{Room, Set, Shown, Views};
 use prefilter::{Faces, Prefilter, Source, faces, levels};
 pub use schedule::Seen;
 use schedule::{Due, Schedule};
+use settling::Settling;
+use sight::{Sight, look_around};
 use uses::{GpuReflectionProbe, Ranked, ReflectionUse};
 
 /// Texels across the table of [`ggx::table`].
@@ -45,6 +53,11 @@ pub struct Reflections {
     uses: Held<ReflectionUse>,
     reads: Vec<ReflectionUse>,
     views: Views,
+    settling: Settling,
+    /// Made when the first probe is there.
+    occluders: Option<Occluders>,
+    /// Cubemaps from disk that no probe has taken yet.
+    given: HashMap<EntityId, Cube>,
     /// Counts arrays made.
     made: u64,
 }
@@ -70,6 +83,10 @@ struct Probe {
     source: Source,
     room: Room,
     schedule: Schedule,
+    /// From where it stands.
+    sight: Option<(Vec3, Sight)>,
+    /// What it shows is to be kept on disk, or is from there.
+    kept: bool,
 }
 
 /// What a frame's captures came to.
@@ -92,6 +109,9 @@ impl Reflections {
             sky: SkyCube { source: None, seen: 0 },
             prefilter,
             views: Views::new(frame_layout),
+            settling: Settling::new(gpu, 2),
+            occluders: None,
+            given: HashMap::new(),
             table: split_sum(gpu),
             probes: Vec::new(),
             ranked: Ranked::default(),
@@ -144,7 +164,8 @@ impl Reflections {
     }
 
     /// Follows probes and objects.
-    pub fn update(&mut self, gpu: &Gpu, now: &Now<'_>, instances: &Instances, origin: DVec3) {
+    pub fn update(&mut self, gpu: &Gpu, now: &Now<'_>, instances: &Instances, transport: &Transport) {
+        let origin = transport.origin;
         let (probes, with_sky) = wanted(now, instances, origin);
         self.make_room(gpu, &probes, with_sky);
         let influences = probes.iter().map(|wanted| (wanted.entity, wanted.influence)).collect();
@@ -155,11 +176,35 @@ impl Reflections {
                 probe.schedule.restart();
             }
         }
+        self.look(transport);
         let groups = self.ranked.groups();
         let described: Vec<GpuReflectionProbe> =
             (0..probes.len()).map(|index| self.described(index, groups[index])).collect();
         self.held.write(gpu, &described);
         self.write_uses(gpu, now, instances, origin, with_sky);
+    }
+
+    /// Looks around from where probes stand now.
+    fn look(&mut self, transport: &Transport) {
+        for (probe, influence) in self.probes.iter_mut().zip(&self.ranked.influences) {
+            let at = influence.position;
+            if probe.sight.is_none_or(|(from, _)| from != at) {
+                let occluders = self.occluders.get_or_insert_with(|| Occluders::new(transport));
+                let moved = probe.sight.is_some();
+                probe.sight = Some((at, look_around(transport, occluders, at)));
+                if moved {
+                    probe.schedule.restart();
+                }
+            }
+        }
+    }
+
+    /// Probes that stand inside a solid and show nothing: what to tell the author, in world space.
+    pub fn misplaced(&self, origin: DVec3) -> impl Iterator<Item = (EntityId, Sight, Option<DVec3>)> + '_ {
+        self.probes.iter().filter_map(move |probe| {
+            let (_, sight) = probe.sight.filter(|(_, sight)| sight.is_inside())?;
+            Some((probe.entity, sight, sight.better.map(|better| origin + better.as_dvec3())))
+        })
     }
 
     /// Changes when what is bound is another buffer or texture.
@@ -178,7 +223,9 @@ impl Reflections {
         let most = probes.iter().map(|wanted| wanted.size).max();
         let any = with_sky || most.is_some();
         let size = if any { most.unwrap_or(SKY_SIZE) } else { 1 };
-        self.cubes = Cubes::new(gpu, size, (probes.len() as u32 + 1).max(2));
+        let count = (probes.len() as u32 + 1).max(2);
+        self.cubes = Cubes::new(gpu, size, count);
+        self.settling = Settling::new(gpu, count);
         let levels = levels(size);
         let source = |index, size| self.prefilter.source(gpu, size, levels, &self.cubes.harmonics, index);
         self.sky.seen = 0;
@@ -189,6 +236,8 @@ impl Reflections {
             source: source(index, wanted.size),
             room: Room::new(gpu, wanted.size),
             schedule: Schedule::default(),
+            sight: None,
+            kept: false,
         };
         self.probes = (1..).zip(probes).map(probe).collect();
     }
@@ -210,7 +259,7 @@ impl Reflections {
     }
 
     fn write_uses(&mut self, gpu: &Gpu, now: &Now<'_>, instances: &Instances, origin: DVec3, with_sky: bool) {
-        let usable: Vec<bool> = self.probes.iter().map(|probe| probe.schedule.taken).collect();
+        let usable: Vec<bool> = self.probes.iter().map(Probe::is_usable).collect();
         let sky = with_sky && self.sky.seen > 0;
         let last_level = (self.cubes.texture.mip_level_count() - 1) as f32;
         let reads = |draw| ReflectionUse {
@@ -235,16 +284,36 @@ impl Reflections {
         self.views.clear();
         let mut captured = Captured::default();
         self.capture_sky(encoder, set, sky, &mut captured);
-        let rounds = schedule::rounds(most_reflected(set.scenery.materials));
         for probe in &mut self.probes {
-            probe.schedule.follow(probe.settings.refresh, seen, rounds);
+            probe.schedule.follow(probe.settings.refresh, seen);
         }
+        self.take_given(encoder, set, seen);
         let mut schedules: Vec<_> =
             self.probes.iter_mut().map(|probe| (&probe.settings, &mut probe.schedule)).collect();
+        let mut complete = Vec::new();
         for due in schedule::plan(&mut schedules, settled) {
-            self.capture_probe(encoder, set, &due, &mut captured);
+            if self.capture_probe(encoder, set, &due, &mut captured) {
+                complete.push(due.probe);
+            }
+        }
+        if !complete.is_empty() {
+            self.settling.copy(encoder, &self.cubes.harmonics, (complete, seen));
         }
         captured
+    }
+
+    /// After the submit.
+    pub fn sent(&mut self) {
+        self.settling.sent();
+    }
+
+    /// Takes in what captures came to: those that do not differ from the ones before are the last.
+    pub fn receive(&mut self) {
+        for (probe, seen) in self.settling.settled() {
+            if let Some(probe) = self.probes.get_mut(probe) {
+                probe.schedule.settle(seen);
+            }
+        }
     }
 
     fn capture_sky(
@@ -262,7 +331,7 @@ impl Reflections {
         for face in 0..6 {
             let into = (&source.texture, &source.views[0][face]);
             captured.draws +=
-                room.take(set, &mut self.views, encoder, face, (glam::Vec3::ZERO, 0.1), into, Shown::Sky);
+                room.take(set, &mut self.views, encoder, face, (Vec3::ZERO, 0.1), into, Shown::Sky);
             captured.faces += 1;
         }
         self.prefilter.run(encoder, set.timer, source, &self.cubes.faces[0]);
@@ -274,7 +343,7 @@ impl Reflections {
         set: &mut Set<'_>,
         due: &Due,
         captured: &mut Captured,
-    ) {
+    ) -> bool {
         let probe = &mut self.probes[due.probe];
         let shown = match (due.on_top, probe.settings.refresh) {
             (_, crate::scene::Refresh::Baked) => Shown::Still,
@@ -284,15 +353,30 @@ impl Reflections {
         if !due.on_top {
             probe.room.forget();
         }
-        let place = (self.ranked.influences[due.probe].position, probe.settings.near.max(1e-4));
+        let place = (self.ranked.influences[due.probe].position, probe.near());
         for face in due.first..due.end {
             let into = (&probe.source.texture, &probe.source.views[0][face]);
             captured.draws += probe.room.take(set, &mut self.views, encoder, face, place, into, shown);
             captured.faces += 1;
         }
-        if probe.schedule.took(due) {
+        let complete = probe.schedule.took(due);
+        if complete {
             self.prefilter.run(encoder, set.timer, &probe.source, &self.cubes.faces[due.probe + 1]);
         }
+        complete
+    }
+}
+
+impl Probe {
+    /// It holds a capture, and one that was not taken inside a solid.
+    fn is_usable(&self) -> bool {
+        self.schedule.taken && self.sight.is_none_or(|(_, sight)| !sight.is_inside())
+    }
+
+    /// Metres: before the nearest wall, so that it has no hole.
+    fn near(&self) -> f32 {
+        let nearest = self.sight.map_or(f32::INFINITY, |(_, sight)| sight.nearest);
+        self.settings.near.min(0.5 * nearest).max(1e-5)
     }
 }
 
@@ -335,15 +419,6 @@ fn wanted<'a>(now: &Now<'a>, instances: &Instances, origin: DVec3) -> (Vec<Wante
 /// Shows reflections.
 pub fn is_smooth(material: &Material) -> bool {
     !material.unlit && (material.roughness < ROUGH || material.metallic_roughness_texture.is_some())
-}
-
-/// The largest share that any smooth material mirrors, roughly.
-fn most_reflected(materials: &super::materials::Materials) -> f32 {
-    let share = |material: &Material| {
-        let metal = material.metallic * material.albedo.color.max_element();
-        metal.max(0.1).min(MOST_IN_CAPTURES)
-    };
-    materials.all().filter(|material| is_smooth(material)).map(share).fold(0.0, f32::max)
 }
 
 fn split_sum(gpu: &Gpu) -> wgpu::TextureView {

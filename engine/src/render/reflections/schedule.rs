@@ -5,6 +5,10 @@ use crate::scene::{Faces, ReflectionProbe, Refresh};
 /// Faces that probes share in a frame which need not be captured at once.
 const BUDGET: u32 = 12;
 
+/// Captures after a change, if they do not settle before: mirrors that give back 0.9 leave 1 % of what was there
+/// after so many.
+const MOST_ROUNDS: u32 = 45;
+
 /// Counts changes of what captures show.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Seen {
@@ -25,8 +29,8 @@ pub struct Schedule {
     face: usize,
     /// Only what moves has changed: static surfaces need not be drawn again.
     on_top: bool,
-    /// Frames since it was due.
-    waited: u32,
+    /// Counts captures of all probes that share the budget: when its last one was.
+    turn: u64,
     /// Its cubemap holds a capture.
     pub taken: bool,
 }
@@ -48,30 +52,41 @@ impl Schedule {
 
     /// The cubemap came from elsewhere and stays.
     pub fn keep(&mut self, seen: Seen) {
-        *self = Self { seen: Some(seen), taken: true, ..Self::default() };
+        *self = Self { seen: Some(seen), taken: true, turn: self.turn, ..Self::default() };
     }
 
-    /// `rounds`: captures until reflections of reflections are settled.
-    pub fn follow(&mut self, refresh: Refresh, now: Seen, rounds: u32) {
+    /// Captured, and no capture is due.
+    pub fn is_done(&self) -> bool {
+        self.taken && self.rounds == 0 && self.face == 0
+    }
+
+    /// The last captures do not differ, and nothing has changed since: reflections of reflections are settled.
+    pub fn settle(&mut self, seen: Seen) {
+        if self.seen.is_some_and(|now| now.still == seen.still) && !self.on_top {
+            self.rounds = 0;
+        }
+    }
+
+    pub fn follow(&mut self, refresh: Refresh, now: Seen) {
         let Some(seen) = self.seen.replace(now) else {
-            self.rounds = rounds;
+            self.rounds = MOST_ROUNDS;
             return;
         };
         if refresh == Refresh::Baked {
             return;
         }
         if now.still != seen.still {
-            (self.rounds, self.on_top) = (rounds, false);
+            (self.rounds, self.on_top) = (MOST_ROUNDS, false);
         } else if now.moving != seen.moving {
             // A capture that is due anyway sees what has moved, too.
             if self.rounds == 0 || self.on_top {
                 (self.rounds, self.on_top) = (1, true);
             } else {
-                self.rounds = rounds;
+                self.rounds = MOST_ROUNDS;
             }
         } else if self.on_top && self.rounds == 0 {
             // It stands still: what static mirrors show of it is caught up with.
-            (self.rounds, self.on_top) = (rounds, false);
+            (self.rounds, self.on_top) = (MOST_ROUNDS, false);
         }
     }
 
@@ -86,7 +101,6 @@ impl Schedule {
 
     /// After these faces were captured. Returns whether the cubemap is complete.
     pub fn took(&mut self, due: &Due) -> bool {
-        self.waited = 0;
         self.face = due.end % 6;
         let complete = due.end == 6;
         self.rounds -= u32::from(complete && self.rounds > 0);
@@ -99,34 +113,31 @@ impl Schedule {
 pub fn plan(probes: &mut [(&ReflectionProbe, &mut Schedule)], settled: bool) -> Vec<Due> {
     let mut plan = Vec::new();
     let mut waiting = Vec::new();
+    let mut turn = probes.iter().map(|(_, schedule)| schedule.turn).max().unwrap_or(0);
     for (index, (settings, schedule)) in probes.iter_mut().enumerate() {
         let due = schedule.rounds > 0 || schedule.face > 0;
         if !due || (settings.refresh == Refresh::Baked && !settled) {
             continue;
         }
-        schedule.waited += 1;
         let faces = schedule.faces(index, settings.faces);
         if settings.refresh == Refresh::EveryFrame {
             plan.push(faces);
         } else {
-            waiting.push((schedule.waited, faces));
+            waiting.push((schedule.turn, faces));
         }
     }
-    waiting.sort_by_key(|(waited, faces)| (std::cmp::Reverse(*waited), faces.probe));
+    waiting.sort_by_key(|(turn, faces)| (*turn, faces.probe));
     let mut left = BUDGET;
     for (_, faces) in waiting {
         let count = (faces.end - faces.first) as u32;
         if count <= left {
             left -= count;
+            turn += 1;
+            probes[faces.probe].1.turn = turn;
             plan.push(faces);
         }
     }
     plan
-}
-
-/// Captures until what is left of older reflections is below a hundredth, where a surface mirrors this share.
-pub fn rounds(reflectance: f32) -> u32 {
-    1 + (0.01_f32.ln() / reflectance.clamp(0.01, 0.95).ln()).ceil() as u32
 }
 
 #[cfg(test)]
@@ -137,16 +148,26 @@ mod tests {
         ReflectionProbe { refresh, faces, ..ReflectionProbe::default() }
     }
 
+    /// As light that settles with the second capture.
+    fn took(schedule: &mut Schedule, due: &Due, seen: Seen) {
+        if schedule.took(due) && schedule.rounds == MOST_ROUNDS - 2 {
+            schedule.settle(seen);
+        }
+    }
+
     /// Faces captured in each of so many frames in which `seen` says what has changed.
     fn play(settings: &[ReflectionProbe], frames: u64, seen: impl Fn(u64) -> Seen) -> Vec<u32> {
         let mut schedules = vec![Schedule::default(); settings.len()];
         let frame = |frame: u64| {
             for (schedule, settings) in schedules.iter_mut().zip(settings) {
-                schedule.follow(settings.refresh, seen(frame), 2);
+                schedule.follow(settings.refresh, seen(frame));
             }
             let mut probes: Vec<_> = settings.iter().zip(schedules.iter_mut()).collect();
             let plan = plan(&mut probes, true);
-            plan.iter().map(|due| (due.end - due.first, schedules[due.probe].took(due)).0 as u32).sum()
+            for due in &plan {
+                took(&mut schedules[due.probe], due, seen(frame));
+            }
+            plan.iter().map(|due| (due.end - due.first) as u32).sum()
         };
         (0..frames).map(frame).collect()
     }
@@ -176,9 +197,10 @@ mod tests {
         let mut on_top = Vec::new();
         for frame in 0..9_u64 {
             let seen = Seen { still: 0, moving: frame.clamp(3, 5) };
-            schedule.follow(settings.refresh, seen, 2);
+            schedule.follow(settings.refresh, seen);
             let plan = plan(&mut [(&settings, &mut schedule)], true);
-            on_top.push(plan.first().map(|due| (due.on_top, schedule.took(due)).0));
+            plan.iter().for_each(|due| took(&mut schedule, due, seen));
+            on_top.push(plan.first().map(|due| due.on_top));
         }
         let expected =
             [Some(false), Some(false), None, None, Some(true), Some(true), Some(false), Some(false), None];
@@ -192,7 +214,7 @@ mod tests {
         let mut taken = vec![0; 5];
         for frame in 0..20 {
             for schedule in &mut schedules {
-                schedule.follow(Refresh::OnChange, Seen { still: frame, moving: 0 }, 2);
+                schedule.follow(Refresh::OnChange, Seen { still: frame, moving: 0 });
             }
             let mut probes: Vec<_> = settings.iter().zip(schedules.iter_mut()).collect();
             let plan = plan(&mut probes, true);

@@ -99,12 +99,12 @@ impl Ranked {
         reads
     }
 
-    /// Whether one set of weights does for a whole sphere: it is no wider than what the probes fade over, or deep
-    /// inside the first of them.
+    /// Whether one set of weights does for a whole sphere: it is no wider than what the probes fade over, or all of
+    /// it is in the box of the first of them.
     fn is_one(&self, chosen: &[(usize, u32)], centre: Vec3, radius: f32) -> bool {
         let probes = chosen.iter().map(|&(index, _)| &self.influences[index]);
         let fade = probes.clone().map(|probe| probe.fade).fold(f32::INFINITY, f32::min);
-        let alone = |probe: &Influence| probe.depth(centre) >= probe.fade + radius;
+        let alone = |probe: &Influence| probe.depth(centre) >= radius;
         let first_group = |index: usize| chosen.get(index).is_none_or(|second| second.1 != chosen[0].1);
         2.0 * radius <= fade || (probes.clone().next().is_some_and(alone) && first_group(1))
     }
@@ -129,11 +129,11 @@ mod tests {
             let world = DAffine3::from_translation(DVec3::new(x, 0.0, 0.0));
             Influence::new(&ReflectionProbe::default(), &world, DVec3::ZERO).expect("a box")
         };
-        let ranked = Ranked::new(vec![(EntityId(1), probe(-2.0)), (EntityId(2), probe(2.0))]);
+        let ranked = Ranked::new(vec![(EntityId(1), probe(-2.6)), (EntityId(2), probe(2.6))]);
         let all = &ranked.ranked;
-        assert!(ranked.is_one(all, Vec3::new(0.3, 0.0, 0.0), 0.2));
+        assert!(ranked.is_one(all, Vec3::new(0.05, 0.0, 0.0), 0.1));
         assert!(!ranked.is_one(all, Vec3::new(0.3, 0.0, 0.0), 4.0));
-        assert!(ranked.is_one(&all[..1], Vec3::new(-2.0, 0.0, 0.0), 1.0));
+        assert!(ranked.is_one(&all[..1], Vec3::new(-2.6, 0.0, 0.0), 1.0));
         assert_eq!(size_of::<ReflectionUse>(), 256);
     }
 }
