@@ -18,6 +18,7 @@ use engine::render::shaders;
 use engine::render::shadow::ShadowView;
 use engine::render::sky::SkyUniform;
 use engine::render::unit::RescaleUniform;
+use engine::transport::probe_field::Weights;
 use engine::transport::{Patch, Sample};
 use naga::{Module, TypeInner};
 
@@ -126,6 +127,11 @@ fn exposure_and_overlay() {
     compare(shaders::EXPOSURE, "Exposure", fields, size_of::<ExposureState>());
     let fields = fields!(PanelUniform: size, scale, encode, display);
     compare(shaders::OVERLAY, "Panel", fields, size_of::<PanelUniform>());
+}
+
+#[test]
+fn weights_of_probes() {
+    compare(shaders::OBJECTS, "Weights", fields!(Weights: probes, weights), size_of::<Weights>());
 }
 
 #[test]

@@ -8,6 +8,7 @@ use glam::DVec3;
 use super::RenderError;
 use super::direct::PatchShadows;
 use super::frame::{FrameUniform, Renderer};
+use super::objects::Objects;
 use super::reflections::sight::Sight;
 use super::spaces::Spaces;
 use super::targets::Targets;
@@ -79,6 +80,11 @@ impl Renderer {
         &self.spaces
     }
 
+    /// The light of what moves.
+    pub fn objects(&self) -> &Objects {
+        &self.objects
+    }
+
     /// What the last frame was drawn into before the tonemap.
     pub fn targets(&self) -> Option<&Targets> {
         self.target.as_ref().map(|(targets, _)| targets)
@@ -114,7 +120,7 @@ impl Renderer {
     pub fn bytes(&self) -> [(&'static str, u64); 11] {
         [
             ("rows", self.bounce.bytes() + self.gather.bytes()),
-            ("light", self.spaces.bytes),
+            ("light", self.spaces.bytes + self.objects.bytes()),
             ("coarse correction", self.coarse.bytes),
             ("surface", self.still.bytes),
             ("shadow rays", self.direct.bytes()),

@@ -13,15 +13,19 @@ use glam::{DAffine3, Mat4, Vec3, Vec4};
 
 use super::bounce::Bounce;
 use super::coarse::Coarse;
+use super::dering::Dering;
 use super::direct::{Direct, PatchShadows};
 use super::exposure::{self, Exposure};
 use super::gather::Gather;
 use super::instances::Instances;
+use super::lines::Lines;
 use super::materials::Materials;
 use super::meshes::{Meshes, StillBuffers};
+use super::objects::Objects;
 use super::overlay::Overlay;
 use super::patches::Patches;
 use super::pictures::Pictures;
+use super::probes::{self, Probes};
 use super::reflections::capture::Set;
 use super::reflections::{Captured, Reflections, Seen};
 use super::rows::{self, PagedRows, Summed};
@@ -73,7 +77,7 @@ pub struct Settings {
 /// What a frame came to.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Drawn {
-    /// Of direct light, bounce and gather.
+    /// Of direct light, bounce, gather and what makes moving objects' light of it.
     pub transport_dispatches: u32,
     pub products: u32,
     pub draws: u32,
@@ -133,9 +137,13 @@ pub struct Renderer {
     pub(super) bounce: Bounce,
     pub(super) coarse: Coarse,
     pub(super) gather: Gather,
+    pub(super) dering: Dering,
+    pub(super) objects: Objects,
     pub(super) reflections: Reflections,
     pub(super) surfaces: Surfaces,
     pub(super) patches: Patches,
+    pub(super) probes: Probes,
+    pub(super) tetrahedra: Lines,
     pub(super) sky: SkyPass,
     pub(super) exposure: Exposure,
     pub(super) tonemap: Tonemap,
@@ -202,9 +210,13 @@ impl Renderer {
             coarse: Coarse::new(gpu_ref, library, &spaces)?,
             gather: Gather::new(gpu_ref, library, [frame_layout, page], read_rows, summed, &spaces)?,
             rescale: Rescale::new(gpu_ref, library, &spaces)?,
+            dering: Dering::new(gpu_ref, library, &spaces)?,
+            objects: Objects::new(gpu_ref, library, &transport, &spaces)?,
             reflections: Reflections::new(gpu_ref, library, frame_layout)?,
             surfaces: Surfaces::new(gpu_ref, library, frame_layout, scene_layout, materials.layout())?,
             patches: Patches::new(gpu_ref, library, frame_layout)?,
+            probes: Probes::new(gpu_ref, library, frame_layout, &spaces)?,
+            tetrahedra: Lines::new(gpu_ref, library, frame_layout)?,
             sky: SkyPass::new(gpu_ref, library, frame_layout, &pictures)?,
             exposure: Exposure::new(gpu_ref, library, frame_layout)?,
             tonemap: Tonemap::new(gpu_ref, library, frame_layout)?,
@@ -237,6 +249,7 @@ impl Renderer {
         // What stands where, what it is made of, what shines.
         let materials_changed = self.materials.update(gpu, now.assets, &mut self.pictures, now.scene);
         self.instances.update(gpu, now, &self.transport, &self.materials, &mut self.meshes);
+        self.objects.update(gpu, &self.instances, &self.spaces);
         let lights = lights::placed(now, &self.instances, self.transport.origin);
         let sky_changed = self.sky.update(gpu, now.assets, &mut self.pictures, &now.scene.sky.kind, &lights);
         let brightest = lights::brightest(&lights).max(self.steering.brightest());
@@ -257,7 +270,7 @@ impl Renderer {
 
         // Light on patches, then from patch to patch, then to receivers and probes.
         let dark = !self.sources.shines() && !lights.iter().any(lights::shines);
-        let mut drawn = self.light(&mut encoder, lit, emitted, dark);
+        let mut drawn = self.light(&mut encoder, lit, emitted, dark, now.view);
 
         // What reflection probes see.
         let stirred = shadowed.changed || materials_changed || drawn.transport_dispatches > 0;
@@ -301,7 +314,7 @@ impl Renderer {
         settled: bool,
     ) -> Captured {
         self.reflections.update(gpu, now, &self.instances, &self.transport);
-        self.surfaces.bind(gpu, &self.spaces, &self.reflections);
+        self.surfaces.bind(gpu, &self.spaces, &self.objects, &self.reflections);
         let scenery = Scenery {
             scene: self.shadows.scene_group(),
             instances: &self.instances,
@@ -400,6 +413,14 @@ impl Renderer {
                 draws += self.sky.draw(gpu, &mut pass, &self.frame_group, self.samples);
             }
             draws += self.surfaces.draw(gpu, &mut pass, &scenery, &look, Which { blended: true, ..all });
+        }
+        let probes = (&*self.transport, self.objects.field());
+        if now.view == View::Probes {
+            draws += self.probes.draw(gpu, &mut pass, &self.frame_group, probes, self.samples);
+        }
+        if now.view == View::Tetrahedra {
+            self.tetrahedra.set(gpu, &probes::tetrahedra(probes.0, probes.1));
+            draws += self.tetrahedra.draw(gpu, &mut pass, &self.frame_group, self.samples);
         }
         draws
     }

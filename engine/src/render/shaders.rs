@@ -21,9 +21,9 @@ pub const IMPORTED: [Source; 10] = [
 ];
 
 /// One file a pass.
-pub const PASSES: [Source; 15] = [
-    SHADOW, UNIT, DIRECT, BOUNCE, COARSE, GATHER, MEAN, PREFILTER, SURFACE, PATCHES, SKY, EXPOSURE, TONEMAP,
-    OVERLAY, MIPMAP,
+pub const PASSES: [Source; 19] = [
+    SHADOW, UNIT, DIRECT, BOUNCE, COARSE, GATHER, MEAN, DERING, OBJECTS, PREFILTER, SURFACE, PATCHES, PROBES,
+    LINES, SKY, EXPOSURE, TONEMAP, OVERLAY, MIPMAP,
 ];
 
 pub const SHADOW: Source = Source { name: "shadow", text: include_str!("../../../shaders/shadow.wgsl") };
@@ -39,10 +39,16 @@ pub const GATHER: Source =
     Source { name: "transport/gather", text: include_str!("../../../shaders/transport/gather.wgsl") };
 pub const MEAN: Source =
     Source { name: "transport/mean", text: include_str!("../../../shaders/transport/mean.wgsl") };
+pub const DERING: Source =
+    Source { name: "transport/dering", text: include_str!("../../../shaders/transport/dering.wgsl") };
+pub const OBJECTS: Source =
+    Source { name: "transport/objects", text: include_str!("../../../shaders/transport/objects.wgsl") };
 pub const PREFILTER: Source =
     Source { name: "prefilter", text: include_str!("../../../shaders/prefilter.wgsl") };
 pub const SURFACE: Source = Source { name: "surface", text: include_str!("../../../shaders/surface.wgsl") };
 pub const PATCHES: Source = Source { name: "patches", text: include_str!("../../../shaders/patches.wgsl") };
+pub const PROBES: Source = Source { name: "probes", text: include_str!("../../../shaders/probes.wgsl") };
+pub const LINES: Source = Source { name: "lines", text: include_str!("../../../shaders/lines.wgsl") };
 pub const SKY: Source = Source { name: "sky", text: include_str!("../../../shaders/sky.wgsl") };
 pub const EXPOSURE: Source =
     Source { name: "exposure", text: include_str!("../../../shaders/exposure.wgsl") };

@@ -23,7 +23,7 @@ pub struct BakeWith {
     pub length: f64,
 }
 
-/// Counts up whenever the same input bakes to other bytes.
+/// Counts up whenever the same input bakes to other bytes. 3: probes beside walls keep how far they see.
 const METHOD: u32 = 3;
 
 /// One thing that a bake was made of.
