@@ -83,9 +83,8 @@ fn scenes_without_light_camera_or_geometry_are_played() {
 #[test]
 fn wrong_usage_is_2_and_says_what_is_right() {
     let nowhere = Path::new("nowhere");
-    let wrong: [(&[&str], &str); 8] = [
+    let wrong: [(&[&str], &str); 7] = [
         (&["--vsync", "perhaps"], "on or off"),
-        (&["--view", "probes"], "later version"),
         (&["--view", "wonderful"], "composite, direct"),
         (&["--size", "0x10"], "1280x720"),
         (&["--frames", "0"], "frames"),
@@ -166,4 +165,31 @@ fn exposure_is_two_to_the_stops_whatever_the_camera_does() {
     }
     assert_eq!(looked_at_with(false, &[]), encoded(0.1));
     assert!(looked_at_with(true, &[]) > encoded(0.1), "a dark scene is brightened");
+}
+
+#[test]
+fn the_overlay_is_there_when_asked_for_and_read_on_black_and_on_white() {
+    if !can_draw() {
+        return;
+    }
+    for radiance in [0.0, 100.0] {
+        let mut scene = Scene::default();
+        scene.sky.kind = engine::scene::SkyKind::Constant { radiance: glam::Vec3::splat(radiance) };
+        let folder = project(&scene, None);
+        let plain = picture(folder.path(), &["--size", "320x200"]);
+        assert_eq!(plain.get_pixel(20, 20), plain.get_pixel(310, 190), "nothing is written");
+        let written = picture(folder.path(), &["--size", "320x200", "--overlay"]);
+        // The first line names scene and view.
+        let line: Vec<u8> = (6..24)
+            .flat_map(|y| (6..160).map(move |x| (x, y)))
+            .map(|(x, y)| written.get_pixel(x, y).0[0])
+            .collect();
+        let (bright, dark) =
+            (line.iter().filter(|&&v| v > 200).count(), line.iter().filter(|&&v| v < 110).count());
+        assert!(
+            bright > 150 && dark > 1000 && bright + dark == line.len(),
+            "{bright} {dark} of {}",
+            line.len()
+        );
+    }
 }

@@ -14,7 +14,7 @@ pub const KEYS: [&str; 9] = [
     "V             next view   + - exposure",
     "F1, Tab       overlay     H   these keys",
     "F2            vsync       F12 screenshot",
-    "F9            loses the GPU device, to test that it comes back",
+    "F9            loses the GPU device, to see it come back",
     "Esc           quit",
 ];
 

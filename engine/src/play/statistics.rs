@@ -45,6 +45,12 @@ impl<'a> Statistics<'a> {
         ended.and(written)
     }
 
+    /// ```text
+    /// frames, size, failed: null or what ended the run
+    /// frame, cpu: { median_ms, p99_ms } by the clock, null where nothing was measured: from picture to picture,
+    ///     and to prepare and send one
+    /// dispatches, products, captures, draws, shadow_draws, bound: one a frame; bound is null until it is known
+    /// ```
     fn of_frames(&self, size: [u32; 2], failed: Option<String>) -> Map<String, Value> {
         let each = |value: fn(&Drawn) -> Value| self.frames.iter().map(value).collect::<Vec<_>>();
         let seconds = |took: &Took| took.frame.as_secs_f64();
@@ -65,6 +71,13 @@ impl<'a> Statistics<'a> {
     }
 }
 
+/// ```text
+/// adapter, timing: "gpu" or "cpu" (time to record)
+/// passes   { NAME: { median_ms, p99_ms } }
+/// patches, receivers, probes, sky_patches, rows, entries
+/// bytes    { KIND: bytes on the GPU }
+/// left_out [ what, and why ]
+/// ```
 fn of_renderer(renderer: &Renderer, world: &World) -> Map<String, Value> {
     let transport = renderer.transport();
     let rows = [&transport.patch_from_patch, &transport.receiver_from_patch, &transport.probe_from_patch];

@@ -30,8 +30,9 @@ pub struct PanelUniform {
 
 /// Texels between the text and the panel's edge.
 const MARGIN: u32 = 6;
-/// The panel lets this much of the picture through that text is read on white as well as on black.
-const PANEL: [u8; 4] = [12, 12, 16, 190];
+/// The panel lets little enough of the picture through that text is read on white as well as on black: it is
+/// five times as bright as a white picture under it.
+const PANEL: [u8; 4] = [12, 12, 16, 224];
 const TEXT: [u8; 4] = [240, 240, 235, 255];
 /// Columns and lines; what goes beyond them is cut off.
 const MOST: [usize; 2] = [220, 110];
