@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use exr::error::Error;
 use exr::prelude::{
     AttributeValue, Encoding, Image, Layer, LayerAttributes, ReadChannels, ReadLayers, RgbChannels,
-    SpecificChannels, Text, Vec2, WritableImage, f16,
+    SpecificChannels, Text, Vec2, WritableImage,
 };
 use glam::Vec3;
 
@@ -92,7 +92,7 @@ fn store(path: &Path, key: &str, cube: &Cube) -> Result<(), Error> {
     let size = cube.size();
     let texel = |at: Vec2<usize>| {
         let texel = cube.texels()[at.y() * size + at.x()];
-        (f16::from_f32(texel.x), f16::from_f32(texel.y), f16::from_f32(texel.z))
+        (texel.x, texel.y, texel.z)
     };
     let channels = SpecificChannels::rgb(texel);
     let mut attributes = LayerAttributes::named("reflections");

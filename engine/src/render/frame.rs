@@ -330,6 +330,7 @@ impl Renderer {
             scenery: &scenery,
             // Kept from picture to picture, however those are exposed.
             frame: FrameUniform { view: View::Composite as u32, pre_exposure: 1.0, capture: 1, ..frame },
+            brightest: self.steering.brightest(),
         };
         self.reflections.capture(encoder, &mut set, self.seen, settled)
     }
