@@ -1,5 +1,5 @@
 // Lines in colours that the exposure does not change: in front of surfaces in full, behind them faintly.
-#import hohlraum::frame::frame
+#import hohlraum::frame::{frame, drawn}
 
 const BEHIND: f32 = 0.15;
 
@@ -15,10 +15,10 @@ fn end(@location(0) position: vec3f, @location(1) color: vec4f) -> Point {
 
 @fragment
 fn in_front(point: Point) -> @location(0) vec4f {
-    return vec4f(point.color.rgb / frame.exposure, point.color.a);
+    return vec4f(drawn(point.color.rgb / frame.exposure), point.color.a);
 }
 
 @fragment
 fn behind(point: Point) -> @location(0) vec4f {
-    return vec4f(point.color.rgb / frame.exposure, point.color.a * BEHIND);
+    return vec4f(drawn(point.color.rgb / frame.exposure), point.color.a * BEHIND);
 }

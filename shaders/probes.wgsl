@@ -1,5 +1,5 @@
 // Light probes as small white spheres in the light that each of them knows; those inside solids in plain red.
-#import hohlraum::frame::frame
+#import hohlraum::frame::{frame, drawn}
 #import hohlraum::transport::sh
 
 @group(2) @binding(0) var<storage, read> probes_direct: array<vec4f>;
@@ -33,5 +33,5 @@ fn sphere(
 
 @fragment
 fn glow(point: Point) -> @location(0) vec4f {
-    return vec4f(point.radiance, 1.0);
+    return vec4f(drawn(point.radiance), 1.0);
 }

@@ -1,7 +1,7 @@
 // Surfaces: direct light from punctual lights with shadows, and what receivers (or light probes, for what
 // moves) say of the rest. Lambert for diffuse light, so that pictures agree with the transport to the last
 // digit; GGX (Walter et al. 2007, height-correlated Smith by Heitz 2014) with Schlick's Fresnel on top.
-#import hohlraum::frame::{frame, to_eye, COMPOSITE, DIRECT, INDIRECT, REFLECTION, ALBEDO, NORMAL, PROBES}
+#import hohlraum::frame::{frame, to_eye, drawn, COMPOSITE, DIRECT, INDIRECT, REFLECTION, ALBEDO, NORMAL, PROBES}
 #import hohlraum::scene::mesh::{Still, Moving, moved, moved_normal, moved_tangent}
 #import hohlraum::scene::material::{material, base_color, metal, emission_at, bump, is, mapped, MASK, BLEND, UNLIT}
 #import hohlraum::scene::light::{lights, arrival, visible}
@@ -259,7 +259,8 @@ fn shade(point: Point, @builtin(front_facing) front: bool) -> @location(0) vec4f
     }
     let radiance = radiance_of(here, select(1.0, here.alpha, is(BLEND)));
     // Behind probes and their edges.
-    return radiance * vec4f(vec3f(select(1.0, DIMMED, frame.view >= PROBES)), 1.0);
+    let share = select(1.0, DIMMED, frame.view >= PROBES);
+    return vec4f(drawn(radiance.rgb * share), radiance.a);
 }
 
 /// Radiance that is on its way to the eye, and what it covers: alpha thins out what leaves in all directions, and

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! lights and movers -> shadow maps -> direct light at patches (E) -> bounce (B) -> receivers, probes
-//!                   -> surfaces -> sky -> blended surfaces -> tonemap
+//!                   -> surfaces -> sky -> blended surfaces -> exposure -> tonemap -> overlay
 //! ```
 //! What did not change is not done again: shadow maps, E, the bounce once it is solved, the gathers.
 
@@ -11,16 +11,18 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use glam::{DAffine3, Mat4, Vec3, Vec4};
 
-use super::bounce::{Bounce, Measured, TOLERANCE};
+use super::bounce::Bounce;
 use super::coarse::Coarse;
 use super::dering::Dering;
-use super::direct::Direct;
-use super::gather::{Gather, Source};
+use super::direct::{Direct, PatchShadows};
+use super::exposure::{self, Exposure};
+use super::gather::Gather;
 use super::instances::Instances;
 use super::lines::Lines;
 use super::materials::Materials;
 use super::meshes::{Meshes, StillBuffers};
 use super::objects::Objects;
+use super::overlay::Overlay;
 use super::patches::Patches;
 use super::pictures::Pictures;
 use super::probes::{self, Probes};
@@ -31,9 +33,11 @@ use super::shadow::{Casters, Shadows};
 use super::sky::SkyPass;
 use super::sources::Sources;
 use super::spaces::Spaces;
+use super::steering::Steering;
 use super::surface::{Look, Scenery, Surfaces, Which};
 use super::targets::{self, Targets};
-use super::tonemap::Tonemap;
+use super::tonemap::{self, Tonemap};
+use super::unit::Rescale;
 use super::view::{Eye, View};
 use super::{RenderError, lights, shaders};
 use crate::gpu::pass::{self, Binding};
@@ -41,7 +45,7 @@ use crate::gpu::timing::Timer;
 use crate::gpu::{Gpu, buffer};
 use crate::scene::Scene;
 use crate::scene::assets::Assets;
-use crate::transport::Transport;
+use crate::transport::{Occluders, Transport};
 
 /// The scene as it is now, and where it is looked at from.
 #[derive(Clone, Copy)]
@@ -62,6 +66,8 @@ pub struct Settings {
     pub samples: Option<u32>,
     /// How rows are summed; `None`: as suits the adapter.
     pub summed: Option<Summed>,
+    /// What tells patches whether a light reaches them; `None`: as suits adapter and scene.
+    pub patch_shadows: Option<PatchShadows>,
     /// Waits for what a frame measures before the next one, so that pictures repeat.
     pub wait: bool,
     /// Albedo as authored, however long light bounces in a closed room.
@@ -97,22 +103,25 @@ pub struct FrameUniform {
     pub lights: u32,
     pub view: u32,
     pub encode: u32,
+    pub pre_exposure: f32,
+    pub curve: u32,
     pub capture: u32,
-    pub padding: u32,
+    pub light_unit: f32,
+    pub padding: [u32; 2],
 }
-
-/// Products of a frame while the light changes, and of the first one, which starts from darkness.
-const PRODUCTS: u32 = 2;
-const FIRST_PRODUCTS: u32 = 16;
 
 /// What is captured once waits until the error of light is below this share: of light that always moves, it is
 /// never 0.
 const SOLVED: f32 = 0.02;
 
+/// Read back by those who ask how a picture was exposed.
+const FRAME: wgpu::BufferUsages = wgpu::BufferUsages::UNIFORM.union(wgpu::BufferUsages::COPY_SRC);
+
 /// Long-lived pipelines and the bake on the GPU.
 pub struct Renderer {
     pub(super) gpu: Arc<Gpu>,
     pub(super) transport: Arc<Transport>,
+    pub(super) occluders: Occluders,
     pub(super) settings: Settings,
     pub(super) samples: u32,
     pub timer: Timer,
@@ -136,12 +145,15 @@ pub struct Renderer {
     pub(super) probes: Probes,
     pub(super) tetrahedra: Lines,
     pub(super) sky: SkyPass,
+    pub(super) exposure: Exposure,
     pub(super) tonemap: Tonemap,
+    /// Text over the picture.
+    pub overlay: Overlay,
     pub(super) frame: wgpu::Buffer,
     pub(super) frame_group: wgpu::BindGroup,
     pub(super) target: Option<(Targets, wgpu::BindGroup)>,
-    /// Counts changes of what the bounce starts from.
-    pub(super) version: u64,
+    pub(super) rescale: Rescale,
+    pub(super) steering: Steering,
     /// Probes hold what is current.
     pub(super) probes_current: bool,
     /// What captures show, and changes of the sky.
@@ -162,7 +174,7 @@ impl Renderer {
         let library = &mut shaders::library()?;
         let stages = wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE;
         let frame_layout = &pass::layout(gpu_ref, "frame", stages, &[Binding::Uniform]);
-        let frame = buffer::filled(gpu_ref, "frame", &[FrameUniform::zeroed()], wgpu::BufferUsages::UNIFORM);
+        let frame = buffer::filled(gpu_ref, "frame", &[FrameUniform::zeroed()], FRAME);
         let page = &rows::page_layout(gpu_ref);
         let summed = settings.summed.unwrap_or_else(|| Summed::best(gpu_ref));
         let paged = |what, rows| PagedRows::new(gpu_ref, page, what, rows);
@@ -172,6 +184,7 @@ impl Renderer {
             paged("probe", &transport.probe_from_patch)?,
         ];
         let spaces = Spaces::new(gpu_ref, &transport)?;
+        let occluders = Occluders::new(&transport);
         let mut pictures = Pictures::new(gpu_ref, library)?;
         let materials = Materials::new(gpu_ref, assets, &mut pictures);
         let shadows = Shadows::new(gpu_ref, library, materials.layout())?;
@@ -184,10 +197,19 @@ impl Renderer {
             still: StillBuffers::new(gpu_ref, &transport)?,
             instances: Instances::new(gpu_ref, &transport),
             sources: Sources::new(transport.clone(), settings.unlimited_gain),
-            direct: Direct::new(gpu_ref, library, frame_layout, scene_layout, &spaces)?,
+            direct: Direct::new(
+                gpu_ref,
+                library,
+                [frame_layout, scene_layout],
+                &spaces,
+                &transport,
+                &occluders,
+                settings.patch_shadows,
+            )?,
             bounce: Bounce::new(gpu_ref, library, page, patch_rows, summed, &spaces)?,
             coarse: Coarse::new(gpu_ref, library, &spaces)?,
-            gather: Gather::new(gpu_ref, library, page, read_rows, summed, &spaces)?,
+            gather: Gather::new(gpu_ref, library, [frame_layout, page], read_rows, summed, &spaces)?,
+            rescale: Rescale::new(gpu_ref, library, &spaces)?,
             dering: Dering::new(gpu_ref, library, &spaces)?,
             objects: Objects::new(gpu_ref, library, &transport, &spaces)?,
             reflections: Reflections::new(gpu_ref, library, frame_layout)?,
@@ -196,15 +218,18 @@ impl Renderer {
             probes: Probes::new(gpu_ref, library, frame_layout, &spaces)?,
             tetrahedra: Lines::new(gpu_ref, library, frame_layout)?,
             sky: SkyPass::new(gpu_ref, library, frame_layout, &pictures)?,
+            exposure: Exposure::new(gpu_ref, library, frame_layout)?,
             tonemap: Tonemap::new(gpu_ref, library, frame_layout)?,
+            overlay: Overlay::new(gpu_ref, library)?,
             frame_group: pass::buffers(gpu_ref, "frame", frame_layout, &[&frame]),
             frame,
+            occluders,
             shadows,
             spaces,
             pictures,
             materials,
             target: None,
-            version: 0,
+            steering: Steering::default(),
             probes_current: false,
             seen: (Seen::default(), 0),
             moved: 0,
@@ -218,9 +243,7 @@ impl Renderer {
     /// Draws the scene as it is now into `display`.
     pub fn draw(&mut self, now: &Now<'_>, display: &wgpu::Texture) -> Result<Drawn, RenderError> {
         let gpu = &*self.gpu.clone();
-        self.bounce.receive();
-        self.reflections.receive();
-        self.timer.receive();
+        self.receive();
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
 
         // What stands where, what it is made of, what shines.
@@ -229,7 +252,9 @@ impl Renderer {
         self.objects.update(gpu, &self.instances, &self.spaces);
         let lights = lights::placed(now, &self.instances, self.transport.origin);
         let sky_changed = self.sky.update(gpu, now.assets, &mut self.pictures, &now.scene.sky.kind, &lights);
-        let emitted = self.sources.update(gpu, now, materials_changed, &self.spaces, &mut self.coarse)?;
+        let brightest = lights::brightest(&lights).max(self.steering.brightest());
+        let emitted =
+            self.sources.update(gpu, now, materials_changed, brightest, &self.spaces, &mut self.coarse)?;
 
         // What the lights see.
         let casters = Casters {
@@ -239,11 +264,13 @@ impl Renderer {
             materials: &self.materials,
         };
         let shadowed = self.shadows.update(gpu, &mut encoder, &mut self.timer, &lights, &casters);
+        let mapped = self.shadows.lights();
+        let lit = self.direct.follow(gpu, &lights, &casters, mapped, shadowed.changed);
         let uniform = self.write_frame(gpu, now, display);
 
         // Light on patches, then from patch to patch, then to receivers and probes.
-        let changed = shadowed.changed || emitted.albedo || emitted.emission;
-        let mut drawn = self.light(&mut encoder, changed, emitted.emission, now.view);
+        let dark = !self.sources.shines() && !lights.iter().any(lights::shines);
+        let mut drawn = self.light(&mut encoder, lit, emitted, dark, now.view);
 
         // What reflection probes see.
         let stirred = shadowed.changed || materials_changed || drawn.transport_dispatches > 0;
@@ -260,43 +287,10 @@ impl Renderer {
         self.timer.sent();
         self.bounce.sent();
         self.reflections.sent();
+        self.exposure.sent();
         self.finish(gpu)?;
         drawn.bound = self.bound();
         Ok(drawn)
-    }
-
-    /// Direct light, bounce and gather: what of them is needed.
-    fn light(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        changed: bool,
-        emission: bool,
-        view: View,
-    ) -> Drawn {
-        let (timer, mut dispatches) = (&mut self.timer, 0);
-        if changed {
-            self.version += 1;
-            dispatches += self.direct.run(encoder, timer, &self.frame_group, self.shadows.scene_group());
-        }
-        let gain = self.sources.cavity_gain(self.settings.wait);
-        let products = products(self.bounce.measured, self.version, gain);
-        dispatches += self.bounce.run(encoder, timer, &self.coarse, products, self.version);
-        let probes_read = self.instances.any_moving() || view.shows_probes();
-        let probes_late = probes_read && !self.probes_current;
-        let mut probes_changed = false;
-        for (source, is_new) in [(Source::Emitted, emission), (Source::Bounced, products > 0)] {
-            if is_new || probes_late {
-                dispatches += self.gather.run(encoder, timer, source, probes_read);
-            }
-            if probes_read && (is_new || probes_late) {
-                dispatches += self.dering.run(encoder, timer, source);
-                probes_changed = true;
-            }
-        }
-        dispatches += self.objects.run(encoder, timer, probes_changed);
-        // What moves no longer may come back after the light has changed.
-        self.probes_current = probes_read;
-        Drawn { transport_dispatches: dispatches, products, ..Drawn::default() }
     }
 
     /// Counts what captures show.
@@ -334,12 +328,13 @@ impl Renderer {
             surfaces: &mut self.surfaces,
             sky: &mut self.sky,
             scenery: &scenery,
-            frame: FrameUniform { view: View::Composite as u32, capture: 1, ..frame },
+            // Kept from picture to picture, however those are exposed.
+            frame: FrameUniform { view: View::Composite as u32, pre_exposure: 1.0, capture: 1, ..frame },
         };
         self.reflections.capture(encoder, &mut set, self.seen, settled)
     }
 
-    /// Surfaces, sky, blended surfaces, tonemap. Returns the draws.
+    /// Surfaces, sky and blended surfaces; exposure, tone curve, overlay. Returns the draws.
     fn paint(
         &mut self,
         gpu: &Gpu,
@@ -351,9 +346,45 @@ impl Renderer {
         if self.target.as_ref().is_none_or(|(targets, _)| targets.size != size) {
             let targets = Targets::new(gpu, size, self.samples);
             let group = self.tonemap.group(gpu, &targets);
+            self.exposure.bind(gpu, &targets);
             self.target = Some((targets, group));
         }
+        let mut draws = self.expose(gpu, encoder, now, size);
+        let Some(target) = &self.target else { return draws };
+        self.tonemap.draw(gpu, encoder, &mut self.timer, &self.frame_group, target, display);
+        draws += 1 + self.overlay.draw(gpu, encoder, Some(&mut self.timer), display);
+        draws
+    }
+
+    /// Draws radiance and settles how it is exposed. The first picture of an automatic exposure is drawn twice:
+    /// nothing is known before of how bright it is. Returns the draws.
+    fn expose(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        now: &Now<'_>,
+        size: [u32; 2],
+    ) -> u32 {
+        let Some(auto) = now.eye.auto_exposure.filter(|_| now.view.shows_light()) else {
+            self.exposure.forget();
+            return self.radiance(gpu, encoder, now);
+        };
+        let first = self.exposure.begin(gpu, &auto, size, now.time, self.settings.wait);
+        let mut draws = 0;
+        for _ in 0..1 + u32::from(first) {
+            self.exposure.set_pre_exposure(encoder, &self.frame);
+            draws += self.radiance(gpu, encoder, now);
+            let Some((targets, _)) = &self.target else { break };
+            self.exposure.run(encoder, &mut self.timer, (&self.frame, &self.frame_group), targets);
+        }
+        self.exposure.report(encoder);
+        draws
+    }
+
+    /// Surfaces, sky, blended surfaces. Returns the draws.
+    fn radiance(&mut self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, now: &Now<'_>) -> u32 {
         let Some(target) = &self.target else { return 0 };
+        let size = target.0.size;
         let scenery = Scenery {
             scene: self.shadows.scene_group(),
             instances: &self.instances,
@@ -370,7 +401,7 @@ impl Renderer {
             mirrored: false,
         };
         let mut pass = target.0.begin(encoder, self.timer.render("surface"));
-        let mut draws = 1;
+        let mut draws = 0;
         if now.view.shows_patches() {
             let shown = |batch: usize| scenery.instances.draws[batch].shown;
             draws +=
@@ -391,9 +422,6 @@ impl Renderer {
             self.tetrahedra.set(gpu, &probes::tetrahedra(probes.0, probes.1));
             draws += self.tetrahedra.draw(gpu, &mut pass, &self.frame_group, self.samples);
         }
-        drop(pass);
-        let timer = &mut self.timer;
-        self.tonemap.draw(gpu, encoder, timer, &self.frame_group, target, display);
         draws
     }
 
@@ -401,6 +429,7 @@ impl Renderer {
         let aspect = display.width() as f32 / display.height().max(1) as f32;
         let origin = self.transport.origin;
         let (eye, [forward, right, up]) = now.eye.rays(origin, aspect);
+        let shows_light = now.view.shows_light();
         let uniform = FrameUniform {
             clip_from_world: now.eye.clip_from_world(origin, aspect),
             eye,
@@ -412,8 +441,11 @@ impl Renderer {
             lights: self.shadows.light_count(),
             view: now.view as u32,
             encode: u32::from(!display.format().is_srgb()),
+            pre_exposure: if shows_light { exposure::pre_exposure(now.eye.exposure) } else { 1.0 },
+            curve: tonemap::curve_of(now.view, now.eye.tonemap),
             capture: 0,
-            padding: 0,
+            light_unit: self.sources.unit(),
+            padding: [0; 2],
         };
         gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
         uniform
@@ -427,16 +459,15 @@ impl Renderer {
             let _ = gpu.device.poll(wgpu::PollType::Poll);
         }
         gpu.check()?;
-        self.bounce.receive();
-        self.reflections.receive();
-        self.timer.receive();
+        self.receive();
         Ok(())
     }
-}
 
-/// How many products the light needs now: none once it is known to be solved.
-fn products(measured: Option<Measured>, version: u64, cavity_gain: f32) -> u32 {
-    let Some(measured) = measured else { return FIRST_PRODUCTS };
-    let bound = measured.bound(cavity_gain);
-    if measured.version == version && bound <= TOLERANCE { 0 } else { PRODUCTS }
+    /// What earlier frames measured.
+    fn receive(&mut self) {
+        self.bounce.receive().for_each(|measured| self.steering.receive(measured));
+        self.reflections.receive();
+        self.timer.receive();
+        self.exposure.receive();
+    }
 }

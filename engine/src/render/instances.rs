@@ -1,6 +1,6 @@
-//! What is drawn now: batches of the baked surface, and meshes of everything that moves.
+//! What is drawn now: batches of the baked surface, and meshes of everything that moves or is in no bake.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ use super::meshes::Meshes;
 use crate::gpu::Gpu;
 use crate::gpu::buffer::Held;
 use crate::scene::{Alpha, EntityId, MaterialId, Scene};
-use crate::transport::Transport;
+use crate::transport::{Batch, Transport};
 
 /// The per-instance attributes of `Moving` in `scene/mesh.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -64,6 +64,8 @@ pub struct Instances {
     /// Of each instance: its entity, and the middle of its bounding sphere, relative to the transport's origin.
     pub placed: Vec<(EntityId, Vec3)>,
     index_of: HashMap<EntityId, usize>,
+    /// Static entities that the bake lights.
+    baked: HashSet<EntityId>,
     /// Sphere about each batch of the baked surface.
     batches: Vec<(Vec3, f32)>,
 }
@@ -86,6 +88,7 @@ impl Instances {
             items: Vec::new(),
             placed: Vec::new(),
             index_of: HashMap::new(),
+            baked: surface.batches.iter().map(Batch::entity).collect(),
             batches,
         }
     }
@@ -167,7 +170,9 @@ impl Instances {
         index: usize,
     ) {
         let entity = &now.scene.entities[index];
-        let Some(renderer) = entity.mesh.as_ref().filter(|_| !entity.is_static && !self.hidden[index]) else {
+        // What is static, but not in the bake, is drawn as if it moved.
+        let is_baked = entity.is_static && self.baked.contains(&entity.id);
+        let Some(renderer) = entity.mesh.as_ref().filter(|_| !is_baked && !self.hidden[index]) else {
             return;
         };
         let Some(mesh_index) = meshes.find(gpu, now.assets, &renderer.mesh) else { return };

@@ -4,24 +4,31 @@ use crate::gpu::GpuError;
 use crate::gpu::shader::{Library, Source};
 
 /// Files that others import; each stands behind those that it imports itself.
-pub const IMPORTED: [Source; 8] = [
+pub const IMPORTED: [Source; 10] = [
     Source { name: "frame", text: include_str!("../../../shaders/frame.wgsl") },
     Source { name: "scene/mesh", text: include_str!("../../../shaders/scene/mesh.wgsl") },
     Source { name: "scene/material", text: include_str!("../../../shaders/scene/material.wgsl") },
     Source { name: "scene/light", text: include_str!("../../../shaders/scene/light.wgsl") },
     Source { name: "transport/patch", text: include_str!("../../../shaders/transport/patch.wgsl") },
+    Source { name: "transport/rays", text: include_str!("../../../shaders/transport/rays.wgsl") },
+    Source {
+        name: "transport/solid_angle",
+        text: include_str!("../../../shaders/transport/solid_angle.wgsl"),
+    },
     Source { name: "transport/rows", text: include_str!("../../../shaders/transport/rows.wgsl") },
     Source { name: "transport/sh", text: include_str!("../../../shaders/transport/sh.wgsl") },
     Source { name: "scene/reflection", text: include_str!("../../../shaders/scene/reflection.wgsl") },
 ];
 
 /// One file a pass.
-pub const PASSES: [Source; 16] = [
-    SHADOW, DIRECT, BOUNCE, COARSE, GATHER, MEAN, DERING, OBJECTS, PREFILTER, SURFACE, PATCHES, PROBES,
-    LINES, SKY, TONEMAP, MIPMAP,
+pub const PASSES: [Source; 19] = [
+    SHADOW, UNIT, DIRECT, BOUNCE, COARSE, GATHER, MEAN, DERING, OBJECTS, PREFILTER, SURFACE, PATCHES, PROBES,
+    LINES, SKY, EXPOSURE, TONEMAP, OVERLAY, MIPMAP,
 ];
 
 pub const SHADOW: Source = Source { name: "shadow", text: include_str!("../../../shaders/shadow.wgsl") };
+pub const UNIT: Source =
+    Source { name: "transport/unit", text: include_str!("../../../shaders/transport/unit.wgsl") };
 pub const DIRECT: Source =
     Source { name: "transport/direct", text: include_str!("../../../shaders/transport/direct.wgsl") };
 pub const BOUNCE: Source =
@@ -43,7 +50,10 @@ pub const PATCHES: Source = Source { name: "patches", text: include_str!("../../
 pub const PROBES: Source = Source { name: "probes", text: include_str!("../../../shaders/probes.wgsl") };
 pub const LINES: Source = Source { name: "lines", text: include_str!("../../../shaders/lines.wgsl") };
 pub const SKY: Source = Source { name: "sky", text: include_str!("../../../shaders/sky.wgsl") };
+pub const EXPOSURE: Source =
+    Source { name: "exposure", text: include_str!("../../../shaders/exposure.wgsl") };
 pub const TONEMAP: Source = Source { name: "tonemap", text: include_str!("../../../shaders/tonemap.wgsl") };
+pub const OVERLAY: Source = Source { name: "overlay", text: include_str!("../../../shaders/overlay.wgsl") };
 pub const MIPMAP: Source = Source { name: "mipmap", text: include_str!("../../../shaders/mipmap.wgsl") };
 
 pub fn library() -> Result<Library, GpuError> {

@@ -32,7 +32,9 @@ pub mod reflection;
 pub mod rows;
 pub mod sh;
 pub mod sky;
+pub mod solid_angle;
 pub mod solve;
+pub mod stale;
 pub mod surface;
 pub mod tetrahedra;
 
