@@ -16,6 +16,10 @@ struct Frame {
     view: u32,
     /// 1 where the target does not encode sRGB by itself.
     encode: u32,
+    /// Radiance is drawn times this power of two.
+    pre_exposure: f32,
+    /// The tone curve.
+    curve: u32,
     /// 1 for a reflection probe's camera.
     capture: u32,
     /// W/m2 of one stored unit of radiosity, a power of two.
@@ -32,6 +36,21 @@ const ALBEDO: u32 = 4u;
 const NORMAL: u32 = 5u;
 const PATCHES: u32 = 6u;
 const DENSITY: u32 = 7u;
+const PROBES: u32 = 8u;
+const TETRAHEDRA: u32 = 9u;
+
+/// Views that show no light are neither exposed nor bent.
+const AS_IT_IS: u32 = 0u;
+const NEUTRAL: u32 = 1u;
+const AGX: u32 = 2u;
+
+/// What half floats hold.
+const BRIGHTEST: f32 = 65000.0;
+
+/// Radiance as it is drawn.
+fn drawn(radiance: vec3f) -> vec3f {
+    return min(radiance * frame.pre_exposure, vec3f(BRIGHTEST));
+}
 
 /// From a point to the eye, unit.
 fn to_eye(position: vec3f) -> vec3f {

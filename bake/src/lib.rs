@@ -7,6 +7,7 @@ mod cache;
 mod certify;
 mod chart;
 mod cut;
+mod depth;
 mod directions;
 mod emitter;
 mod holes;
@@ -31,7 +32,9 @@ use engine::scene::file::{Project, Quality, baked_dir, load_project, load_scene}
 use engine::scene::import::load_assets;
 use engine::scene::{Scene, SceneError, SkyKind, Warning};
 use engine::transport::file::TransportError;
-use engine::transport::key::{BakeWith, transport_key};
+use engine::transport::key::{BakeWith, inputs, transport_key};
+use engine::transport::probe_field::ProbeField;
+use engine::transport::stale::Stale;
 use engine::transport::{Certificate, Transport, file, materials};
 use glam::{DVec3, Vec3};
 
@@ -169,7 +172,8 @@ fn run(
     let mut opened = Opened::open(project, scene)?;
     let (with, is_new_length) =
         settings::settle(&opened.settings, &opened.name, settings, layout::area(&opened.surface))?;
-    let key = transport_key(project, &opened.scene, &with);
+    let inputs = inputs(&opened.scene, &opened.assets, &with);
+    let key = transport_key(&inputs);
     let file = file::path(project, &opened.name);
     watcher.advance(1, 0);
 
@@ -204,8 +208,10 @@ fn run(
     opened.warnings.sort();
     opened.warnings.dedup();
     certificate.key = key;
+    certificate.inputs = inputs;
     certificate.warnings = opened.warnings.iter().map(Warning::to_string).collect();
     certificate.left_out = left_out(&opened.scene);
+    certificate.left_out.extend(left_out_of_probes(&transport));
     if !unchanged {
         certificate.threads = rayon::current_num_threads();
         certificate.seconds = started.elapsed().as_secs_f64();
@@ -261,12 +267,29 @@ fn left_out(scene: &Scene) -> Vec<String> {
     left_out
 }
 
+/// Light probes that no object reads, and what the others do without.
+fn left_out_of_probes(transport: &Transport) -> Vec<String> {
+    let mut left_out = Vec::new();
+    let inside = transport.probes.iter().filter(|probe| probe.valid < 0.5).count();
+    if inside > 0 {
+        left_out.push(format!("{inside} light probes: they are inside solids"));
+    }
+    let merged = ProbeField::new(transport).merged.len();
+    if merged > 0 {
+        left_out.push(format!("{merged} light probes: others are in the same place"));
+    }
+    if !transport.probes.is_empty() && transport.depths.probes.is_empty() {
+        left_out.push("depths of light probes: no wall stands between neighbours".to_owned());
+    }
+    left_out
+}
+
 /// What [`bake`] would do.
 pub fn plan(project: &Path, scene: Option<&str>, settings: &Settings) -> Result<Plan, BakeError> {
     let opened = Opened::open(project, scene)?;
     let (with, _) =
         settings::settle(&opened.settings, &opened.name, settings, layout::area(&opened.surface))?;
-    let key = transport_key(project, &opened.scene, &with);
+    let key = transport_key(&inputs(&opened.scene, &opened.assets, &with));
     let baked = file::load_certificate(&file::path(project, &opened.name));
     let is_current = baked.is_ok_and(|certificate| certificate.key == key);
     let layout = layout::layout(&opened.scene, &opened.assets, &opened.surface, with.length, &Silent)?;
@@ -324,8 +347,9 @@ impl Solvable {
             rays: certificate.rays_per_row,
             length: certificate.base_length,
         };
-        if transport_key(project, &opened.scene, &with) != certificate.key {
-            return stale("static geometry, density, holes or probes have changed since");
+        let now = inputs(&opened.scene, &opened.assets, &with);
+        if transport_key(&now) != certificate.key {
+            return stale(&Stale::between(&certificate.inputs, &now).to_string());
         }
         Ok(Self { opened, transport })
     }

@@ -4,10 +4,12 @@
 use std::mem::offset_of;
 
 use engine::render::coarse::CoarseUniform;
+use engine::render::exposure::{ExposureState, MeterUniform};
 use engine::render::frame::FrameUniform;
 use engine::render::gather::MeanUniform;
 use engine::render::lights::GpuLight;
 use engine::render::materials::{MapUniform, MaterialUniform};
+use engine::render::overlay::PanelUniform;
 use engine::render::rays::{Blocker, CountUniform, GpuTriangle};
 use engine::render::reflections::prefilter::{PrefilterUniform, ProjectUniform};
 use engine::render::reflections::uses::{self, GpuReflectionProbe, ReflectionUse};
@@ -16,6 +18,7 @@ use engine::render::shaders;
 use engine::render::shadow::ShadowView;
 use engine::render::sky::SkyUniform;
 use engine::render::unit::RescaleUniform;
+use engine::transport::probe_field::Weights;
 use engine::transport::{Patch, Sample};
 use naga::{Module, TypeInner};
 
@@ -55,7 +58,7 @@ macro_rules! fields {
 #[test]
 fn frame() {
     let fields = fields!(FrameUniform: clip_from_world, eye, forward, time, right, exposure, up, lights, view,
-        encode, capture, light_unit);
+        encode, pre_exposure, curve, capture, light_unit);
     compare(shaders::SURFACE, "Frame", fields, size_of::<FrameUniform>());
 }
 
@@ -114,6 +117,21 @@ fn patches_and_samples() {
         ("normal", offset_of!(Sample, normal)),
     ];
     compare(shaders::DIRECT, "Sample", fields, size_of::<Sample>());
+}
+
+#[test]
+fn exposure_and_overlay() {
+    let fields = fields!(MeterUniform: size, step, kept, compensation, least, most);
+    compare(shaders::EXPOSURE, "Meter", fields, size_of::<MeterUniform>());
+    let fields = fields!(ExposureState: stops, exposure, pre_exposure);
+    compare(shaders::EXPOSURE, "Exposure", fields, size_of::<ExposureState>());
+    let fields = fields!(PanelUniform: size, scale, encode, display);
+    compare(shaders::OVERLAY, "Panel", fields, size_of::<PanelUniform>());
+}
+
+#[test]
+fn weights_of_probes() {
+    compare(shaders::OBJECTS, "Weights", fields!(Weights: probes, weights), size_of::<Weights>());
 }
 
 #[test]

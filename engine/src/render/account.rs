@@ -7,14 +7,22 @@ use glam::DVec3;
 
 use super::RenderError;
 use super::direct::PatchShadows;
-use super::frame::Renderer;
+use super::frame::{FrameUniform, Renderer};
+use super::objects::Objects;
 use super::reflections::sight::Sight;
 use super::spaces::Spaces;
 use super::targets::Targets;
-use crate::gpu::Gpu;
+use crate::gpu::{Gpu, GpuError, buffer};
 use crate::scene::EntityId;
 use crate::transport::reflection::Cube;
 use crate::transport::{Occluders, Transport};
+
+/// How a picture was exposed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Exposed {
+    pub exposure: f32,
+    pub pre_exposure: f32,
+}
 
 impl Renderer {
     /// The error of B is at most this share of the largest B.
@@ -72,9 +80,35 @@ impl Renderer {
         &self.spaces
     }
 
+    /// The light of what moves.
+    pub fn objects(&self) -> &Objects {
+        &self.objects
+    }
+
     /// What the last frame was drawn into before the tonemap.
     pub fn targets(&self) -> Option<&Targets> {
         self.target.as_ref().map(|(targets, _)| targets)
+    }
+
+    /// Of the last picture: display = `exposure` * radiance, and it was drawn times `pre_exposure`. Blocks.
+    pub fn exposed(&self) -> Result<Exposed, GpuError> {
+        let frame: Vec<FrameUniform> = buffer::read(&self.gpu, &self.frame)?;
+        let FrameUniform { exposure, pre_exposure, .. } = frame[0];
+        Ok(Exposed { exposure, pre_exposure })
+    }
+
+    /// Writes lines over a picture that is drawn.
+    pub fn lay_over(&mut self, lines: Vec<String>, display: &wgpu::Texture) {
+        self.overlay.show(lines, 1);
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        self.overlay.draw(&self.gpu, &mut encoder, None, display);
+        self.gpu.queue.submit([encoder.finish()]);
+        self.overlay.show(Vec::new(), 1);
+    }
+
+    /// Stops of the automatic exposure, as metered a few frames ago.
+    pub fn metered(&self) -> Option<f32> {
+        self.exposure.stops
     }
 
     /// Pages of patch rows.
@@ -83,10 +117,10 @@ impl Renderer {
     }
 
     /// Bytes on the GPU by kind.
-    pub fn bytes(&self) -> [(&'static str, u64); 10] {
+    pub fn bytes(&self) -> [(&'static str, u64); 11] {
         [
             ("rows", self.bounce.bytes() + self.gather.bytes()),
-            ("light", self.spaces.bytes),
+            ("light", self.spaces.bytes + self.objects.bytes()),
             ("coarse correction", self.coarse.bytes),
             ("surface", self.still.bytes),
             ("shadow rays", self.direct.bytes()),
@@ -95,6 +129,7 @@ impl Renderer {
             ("shadow maps", self.shadows.bytes()),
             ("cubemaps", self.reflections.bytes()),
             ("targets", self.targets().map_or(0, Targets::bytes)),
+            ("overlay", self.overlay.bytes()),
         ]
     }
 

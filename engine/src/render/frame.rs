@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! lights and movers -> shadow maps -> direct light at patches (E) -> bounce (B) -> receivers, probes
-//!                   -> surfaces -> sky -> blended surfaces -> tonemap
+//!                   -> surfaces -> sky -> blended surfaces -> exposure -> tonemap -> overlay
 //! ```
 //! What did not change is not done again: shadow maps, E, the bounce once it is solved, the gathers.
 
@@ -13,13 +13,19 @@ use glam::{DAffine3, Mat4, Vec3, Vec4};
 
 use super::bounce::Bounce;
 use super::coarse::Coarse;
+use super::dering::Dering;
 use super::direct::{Direct, PatchShadows};
+use super::exposure::{self, Exposure};
 use super::gather::Gather;
 use super::instances::Instances;
+use super::lines::Lines;
 use super::materials::Materials;
 use super::meshes::{Meshes, StillBuffers};
+use super::objects::Objects;
+use super::overlay::Overlay;
 use super::patches::Patches;
 use super::pictures::Pictures;
+use super::probes::{self, Probes};
 use super::reflections::capture::Set;
 use super::reflections::{Captured, Reflections, Seen};
 use super::rows::{self, PagedRows, Summed};
@@ -30,7 +36,7 @@ use super::spaces::Spaces;
 use super::steering::Steering;
 use super::surface::{Look, Scenery, Surfaces, Which};
 use super::targets::{self, Targets};
-use super::tonemap::Tonemap;
+use super::tonemap::{self, Tonemap};
 use super::unit::Rescale;
 use super::view::{Eye, View};
 use super::{RenderError, lights, shaders};
@@ -71,7 +77,7 @@ pub struct Settings {
 /// What a frame came to.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Drawn {
-    /// Of direct light, bounce and gather.
+    /// Of direct light, bounce, gather and what makes moving objects' light of it.
     pub transport_dispatches: u32,
     pub products: u32,
     pub draws: u32,
@@ -97,13 +103,19 @@ pub struct FrameUniform {
     pub lights: u32,
     pub view: u32,
     pub encode: u32,
+    pub pre_exposure: f32,
+    pub curve: u32,
     pub capture: u32,
     pub light_unit: f32,
+    pub padding: [u32; 2],
 }
 
 /// What is captured once waits until the error of light is below this share: of light that always moves, it is
 /// never 0.
 const SOLVED: f32 = 0.02;
+
+/// Read back by those who ask how a picture was exposed.
+const FRAME: wgpu::BufferUsages = wgpu::BufferUsages::UNIFORM.union(wgpu::BufferUsages::COPY_SRC);
 
 /// Long-lived pipelines and the bake on the GPU.
 pub struct Renderer {
@@ -125,11 +137,18 @@ pub struct Renderer {
     pub(super) bounce: Bounce,
     pub(super) coarse: Coarse,
     pub(super) gather: Gather,
+    pub(super) dering: Dering,
+    pub(super) objects: Objects,
     pub(super) reflections: Reflections,
     pub(super) surfaces: Surfaces,
     pub(super) patches: Patches,
+    pub(super) probes: Probes,
+    pub(super) tetrahedra: Lines,
     pub(super) sky: SkyPass,
+    pub(super) exposure: Exposure,
     pub(super) tonemap: Tonemap,
+    /// Text over the picture.
+    pub overlay: Overlay,
     pub(super) frame: wgpu::Buffer,
     pub(super) frame_group: wgpu::BindGroup,
     pub(super) target: Option<(Targets, wgpu::BindGroup)>,
@@ -155,7 +174,7 @@ impl Renderer {
         let library = &mut shaders::library()?;
         let stages = wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE;
         let frame_layout = &pass::layout(gpu_ref, "frame", stages, &[Binding::Uniform]);
-        let frame = buffer::filled(gpu_ref, "frame", &[FrameUniform::zeroed()], wgpu::BufferUsages::UNIFORM);
+        let frame = buffer::filled(gpu_ref, "frame", &[FrameUniform::zeroed()], FRAME);
         let page = &rows::page_layout(gpu_ref);
         let summed = settings.summed.unwrap_or_else(|| Summed::best(gpu_ref));
         let paged = |what, rows| PagedRows::new(gpu_ref, page, what, rows);
@@ -191,11 +210,17 @@ impl Renderer {
             coarse: Coarse::new(gpu_ref, library, &spaces)?,
             gather: Gather::new(gpu_ref, library, [frame_layout, page], read_rows, summed, &spaces)?,
             rescale: Rescale::new(gpu_ref, library, &spaces)?,
+            dering: Dering::new(gpu_ref, library, &spaces)?,
+            objects: Objects::new(gpu_ref, library, &transport, &spaces)?,
             reflections: Reflections::new(gpu_ref, library, frame_layout)?,
             surfaces: Surfaces::new(gpu_ref, library, frame_layout, scene_layout, materials.layout())?,
             patches: Patches::new(gpu_ref, library, frame_layout)?,
+            probes: Probes::new(gpu_ref, library, frame_layout, &spaces)?,
+            tetrahedra: Lines::new(gpu_ref, library, frame_layout)?,
             sky: SkyPass::new(gpu_ref, library, frame_layout, &pictures)?,
+            exposure: Exposure::new(gpu_ref, library, frame_layout)?,
             tonemap: Tonemap::new(gpu_ref, library, frame_layout)?,
+            overlay: Overlay::new(gpu_ref, library)?,
             frame_group: pass::buffers(gpu_ref, "frame", frame_layout, &[&frame]),
             frame,
             occluders,
@@ -224,6 +249,7 @@ impl Renderer {
         // What stands where, what it is made of, what shines.
         let materials_changed = self.materials.update(gpu, now.assets, &mut self.pictures, now.scene);
         self.instances.update(gpu, now, &self.transport, &self.materials, &mut self.meshes);
+        self.objects.update(gpu, &self.instances, &self.spaces);
         let lights = lights::placed(now, &self.instances, self.transport.origin);
         let sky_changed = self.sky.update(gpu, now.assets, &mut self.pictures, &now.scene.sky.kind, &lights);
         let brightest = lights::brightest(&lights).max(self.steering.brightest());
@@ -244,7 +270,7 @@ impl Renderer {
 
         // Light on patches, then from patch to patch, then to receivers and probes.
         let dark = !self.sources.shines() && !lights.iter().any(lights::shines);
-        let mut drawn = self.light(&mut encoder, lit, emitted, dark);
+        let mut drawn = self.light(&mut encoder, lit, emitted, dark, now.view);
 
         // What reflection probes see.
         let stirred = shadowed.changed || materials_changed || drawn.transport_dispatches > 0;
@@ -261,6 +287,7 @@ impl Renderer {
         self.timer.sent();
         self.bounce.sent();
         self.reflections.sent();
+        self.exposure.sent();
         self.finish(gpu)?;
         drawn.bound = self.bound();
         Ok(drawn)
@@ -287,7 +314,7 @@ impl Renderer {
         settled: bool,
     ) -> Captured {
         self.reflections.update(gpu, now, &self.instances, &self.transport);
-        self.surfaces.bind(gpu, &self.spaces, &self.reflections);
+        self.surfaces.bind(gpu, &self.spaces, &self.objects, &self.reflections);
         let scenery = Scenery {
             scene: self.shadows.scene_group(),
             instances: &self.instances,
@@ -301,12 +328,13 @@ impl Renderer {
             surfaces: &mut self.surfaces,
             sky: &mut self.sky,
             scenery: &scenery,
-            frame: FrameUniform { view: View::Composite as u32, capture: 1, ..frame },
+            // Kept from picture to picture, however those are exposed.
+            frame: FrameUniform { view: View::Composite as u32, pre_exposure: 1.0, capture: 1, ..frame },
         };
         self.reflections.capture(encoder, &mut set, self.seen, settled)
     }
 
-    /// Surfaces, sky, blended surfaces, tonemap. Returns the draws.
+    /// Surfaces, sky and blended surfaces; exposure, tone curve, overlay. Returns the draws.
     fn paint(
         &mut self,
         gpu: &Gpu,
@@ -318,9 +346,45 @@ impl Renderer {
         if self.target.as_ref().is_none_or(|(targets, _)| targets.size != size) {
             let targets = Targets::new(gpu, size, self.samples);
             let group = self.tonemap.group(gpu, &targets);
+            self.exposure.bind(gpu, &targets);
             self.target = Some((targets, group));
         }
+        let mut draws = self.expose(gpu, encoder, now, size);
+        let Some(target) = &self.target else { return draws };
+        self.tonemap.draw(gpu, encoder, &mut self.timer, &self.frame_group, target, display);
+        draws += 1 + self.overlay.draw(gpu, encoder, Some(&mut self.timer), display);
+        draws
+    }
+
+    /// Draws radiance and settles how it is exposed. The first picture of an automatic exposure is drawn twice:
+    /// nothing is known before of how bright it is. Returns the draws.
+    fn expose(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        now: &Now<'_>,
+        size: [u32; 2],
+    ) -> u32 {
+        let Some(auto) = now.eye.auto_exposure.filter(|_| now.view.shows_light()) else {
+            self.exposure.forget();
+            return self.radiance(gpu, encoder, now);
+        };
+        let first = self.exposure.begin(gpu, &auto, size, now.time, self.settings.wait);
+        let mut draws = 0;
+        for _ in 0..1 + u32::from(first) {
+            self.exposure.set_pre_exposure(encoder, &self.frame);
+            draws += self.radiance(gpu, encoder, now);
+            let Some((targets, _)) = &self.target else { break };
+            self.exposure.run(encoder, &mut self.timer, (&self.frame, &self.frame_group), targets);
+        }
+        self.exposure.report(encoder);
+        draws
+    }
+
+    /// Surfaces, sky, blended surfaces. Returns the draws.
+    fn radiance(&mut self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, now: &Now<'_>) -> u32 {
         let Some(target) = &self.target else { return 0 };
+        let size = target.0.size;
         let scenery = Scenery {
             scene: self.shadows.scene_group(),
             instances: &self.instances,
@@ -337,7 +401,7 @@ impl Renderer {
             mirrored: false,
         };
         let mut pass = target.0.begin(encoder, self.timer.render("surface"));
-        let mut draws = 1;
+        let mut draws = 0;
         if now.view.shows_patches() {
             let shown = |batch: usize| scenery.instances.draws[batch].shown;
             draws +=
@@ -350,9 +414,14 @@ impl Renderer {
             }
             draws += self.surfaces.draw(gpu, &mut pass, &scenery, &look, Which { blended: true, ..all });
         }
-        drop(pass);
-        let timer = &mut self.timer;
-        self.tonemap.draw(gpu, encoder, timer, &self.frame_group, target, display);
+        let probes = (&*self.transport, self.objects.field());
+        if now.view == View::Probes {
+            draws += self.probes.draw(gpu, &mut pass, &self.frame_group, probes, self.samples);
+        }
+        if now.view == View::Tetrahedra {
+            self.tetrahedra.set(gpu, &probes::tetrahedra(probes.0, probes.1));
+            draws += self.tetrahedra.draw(gpu, &mut pass, &self.frame_group, self.samples);
+        }
         draws
     }
 
@@ -360,6 +429,7 @@ impl Renderer {
         let aspect = display.width() as f32 / display.height().max(1) as f32;
         let origin = self.transport.origin;
         let (eye, [forward, right, up]) = now.eye.rays(origin, aspect);
+        let shows_light = now.view.shows_light();
         let uniform = FrameUniform {
             clip_from_world: now.eye.clip_from_world(origin, aspect),
             eye,
@@ -371,8 +441,11 @@ impl Renderer {
             lights: self.shadows.light_count(),
             view: now.view as u32,
             encode: u32::from(!display.format().is_srgb()),
+            pre_exposure: if shows_light { exposure::pre_exposure(now.eye.exposure) } else { 1.0 },
+            curve: tonemap::curve_of(now.view, now.eye.tonemap),
             capture: 0,
             light_unit: self.sources.unit(),
+            padding: [0; 2],
         };
         gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
         uniform
@@ -395,5 +468,6 @@ impl Renderer {
         self.bounce.receive().for_each(|measured| self.steering.receive(measured));
         self.reflections.receive();
         self.timer.receive();
+        self.exposure.receive();
     }
 }

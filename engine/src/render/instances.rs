@@ -1,6 +1,6 @@
-//! What is drawn now: batches of the baked surface, and meshes of everything that moves.
+//! What is drawn now: batches of the baked surface, and meshes of everything that moves or is in no bake.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ use super::meshes::Meshes;
 use crate::gpu::Gpu;
 use crate::gpu::buffer::Held;
 use crate::scene::{Alpha, EntityId, MaterialId, Scene};
-use crate::transport::Transport;
+use crate::transport::{Batch, Transport};
 
 /// The per-instance attributes of `Moving` in `scene/mesh.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -21,8 +21,8 @@ use crate::transport::Transport;
 pub struct Instance {
     /// Of world_from_local, world relative to the transport's origin.
     pub rows: [[f32; 4]; 3],
-    /// The light probe that it reads.
-    pub probe: u32,
+    /// Its own number, by which it finds its light in [`super::objects`].
+    pub object: u32,
     pub mirrored: u32,
 }
 
@@ -61,7 +61,11 @@ pub struct Instances {
     pub hidden: Vec<bool>,
     pub buffer: Held<Instance>,
     items: Vec<Instance>,
+    /// Of each instance: its entity, and the middle of its bounding sphere, relative to the transport's origin.
+    pub placed: Vec<(EntityId, Vec3)>,
     index_of: HashMap<EntityId, usize>,
+    /// Static entities that the bake lights.
+    baked: HashSet<EntityId>,
     /// Sphere about each batch of the baked surface.
     batches: Vec<(Vec3, f32)>,
 }
@@ -82,7 +86,9 @@ impl Instances {
             hidden: Vec::new(),
             buffer: Held::new(gpu, "instances", wgpu::BufferUsages::VERTEX),
             items: Vec::new(),
+            placed: Vec::new(),
             index_of: HashMap::new(),
+            baked: surface.batches.iter().map(Batch::entity).collect(),
             batches,
         }
     }
@@ -101,6 +107,7 @@ impl Instances {
         self.hidden = hidden(now.scene, &self.index_of);
         self.draws.clear();
         self.items.clear();
+        self.placed.clear();
         self.place_batches(now, transport, materials);
         for index in 0..now.scene.entities.len() {
             self.place_moving(gpu, now, transport, materials, meshes, index);
@@ -163,7 +170,9 @@ impl Instances {
         index: usize,
     ) {
         let entity = &now.scene.entities[index];
-        let Some(renderer) = entity.mesh.as_ref().filter(|_| !entity.is_static && !self.hidden[index]) else {
+        // What is static, but not in the bake, is drawn as if it moved.
+        let is_baked = entity.is_static && self.baked.contains(&entity.id);
+        let Some(renderer) = entity.mesh.as_ref().filter(|_| !is_baked && !self.hidden[index]) else {
             return;
         };
         let Some(mesh_index) = meshes.find(gpu, now.assets, &renderer.mesh) else { return };
@@ -174,9 +183,10 @@ impl Instances {
         let mirrored = world.matrix3.determinant() < 0.0;
         self.items.push(Instance {
             rows: rows(world, transport.origin),
-            probe: nearest_probe(transport, centre),
+            object: instance,
             mirrored: u32::from(mirrored),
         });
+        self.placed.push((entity.id, centre));
         for (at, primitive) in mesh.primitives.iter().enumerate() {
             let id = renderer.materials.get(at).or(renderer.materials.last()).copied();
             let material = id.map_or(0, |id| materials.index(id));
@@ -247,13 +257,4 @@ fn sphere(points: impl Iterator<Item = Vec3> + Clone) -> (Vec3, f32) {
         points.clone().fold((first, first), |(low, high), point| (low.min(point), high.max(point)));
     let centre = (low + high) * 0.5;
     (centre, points.map(|point| point.distance(centre)).fold(0.0, f32::max))
-}
-
-/// The nearest valid probe; where there is none, the place behind the last, which holds the mean of all
-/// receivers.
-fn nearest_probe(transport: &Transport, at: Vec3) -> u32 {
-    let valid = transport.probes.iter().enumerate().filter(|(_, probe)| probe.valid > 0.5);
-    let nearest = valid
-        .min_by(|(_, a), (_, b)| a.position.distance_squared(at).total_cmp(&b.position.distance_squared(at)));
-    nearest.map_or(transport.probes.len(), |(index, _)| index) as u32
 }

@@ -21,8 +21,10 @@ pub const IMPORTED: [Source; 10] = [
 ];
 
 /// One file a pass.
-pub const PASSES: [Source; 13] =
-    [SHADOW, UNIT, DIRECT, BOUNCE, COARSE, GATHER, MEAN, PREFILTER, SURFACE, PATCHES, SKY, TONEMAP, MIPMAP];
+pub const PASSES: [Source; 19] = [
+    SHADOW, UNIT, DIRECT, BOUNCE, COARSE, GATHER, MEAN, DERING, OBJECTS, PREFILTER, SURFACE, PATCHES, PROBES,
+    LINES, SKY, EXPOSURE, TONEMAP, OVERLAY, MIPMAP,
+];
 
 pub const SHADOW: Source = Source { name: "shadow", text: include_str!("../../../shaders/shadow.wgsl") };
 pub const UNIT: Source =
@@ -37,12 +39,21 @@ pub const GATHER: Source =
     Source { name: "transport/gather", text: include_str!("../../../shaders/transport/gather.wgsl") };
 pub const MEAN: Source =
     Source { name: "transport/mean", text: include_str!("../../../shaders/transport/mean.wgsl") };
+pub const DERING: Source =
+    Source { name: "transport/dering", text: include_str!("../../../shaders/transport/dering.wgsl") };
+pub const OBJECTS: Source =
+    Source { name: "transport/objects", text: include_str!("../../../shaders/transport/objects.wgsl") };
 pub const PREFILTER: Source =
     Source { name: "prefilter", text: include_str!("../../../shaders/prefilter.wgsl") };
 pub const SURFACE: Source = Source { name: "surface", text: include_str!("../../../shaders/surface.wgsl") };
 pub const PATCHES: Source = Source { name: "patches", text: include_str!("../../../shaders/patches.wgsl") };
+pub const PROBES: Source = Source { name: "probes", text: include_str!("../../../shaders/probes.wgsl") };
+pub const LINES: Source = Source { name: "lines", text: include_str!("../../../shaders/lines.wgsl") };
 pub const SKY: Source = Source { name: "sky", text: include_str!("../../../shaders/sky.wgsl") };
+pub const EXPOSURE: Source =
+    Source { name: "exposure", text: include_str!("../../../shaders/exposure.wgsl") };
 pub const TONEMAP: Source = Source { name: "tonemap", text: include_str!("../../../shaders/tonemap.wgsl") };
+pub const OVERLAY: Source = Source { name: "overlay", text: include_str!("../../../shaders/overlay.wgsl") };
 pub const MIPMAP: Source = Source { name: "mipmap", text: include_str!("../../../shaders/mipmap.wgsl") };
 
 pub fn library() -> Result<Library, GpuError> {

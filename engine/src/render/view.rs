@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Mat4, Vec3, Vec4};
 
-use crate::scene::{Camera, Projection, Scene};
+use crate::scene::{AutoExposure, Camera, Projection, Scene, ToneCurve};
 
 /// What of the light a picture shows; numbered as in `frame.wgsl`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -22,10 +22,14 @@ pub enum View {
     Patches,
     /// Patches by size.
     Density,
+    /// Light probes as spheres in their own light.
+    Probes,
+    /// The tetrahedra between light probes.
+    Tetrahedra,
 }
 
 impl View {
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::Composite,
         Self::Direct,
         Self::Indirect,
@@ -34,6 +38,8 @@ impl View {
         Self::Normal,
         Self::Patches,
         Self::Density,
+        Self::Probes,
+        Self::Tetrahedra,
     ];
 
     pub fn name(self) -> &'static str {
@@ -46,6 +52,8 @@ impl View {
             Self::Normal => "normal",
             Self::Patches => "patches",
             Self::Density => "density",
+            Self::Probes => "probes",
+            Self::Tetrahedra => "tetrahedra",
         }
     }
 
@@ -57,6 +65,17 @@ impl View {
     /// Shows the sky behind the scene.
     pub fn shows_sky(self) -> bool {
         matches!(self, Self::Composite | Self::Direct)
+    }
+
+    /// Shows light, which is exposed and goes through the tone curve; others show what they show.
+    pub fn shows_light(self) -> bool {
+        self.shows_probes()
+            || matches!(self, Self::Composite | Self::Direct | Self::Indirect | Self::Reflection)
+    }
+
+    /// Shows light probes over the scene, whether anything moves or not.
+    pub fn shows_probes(self) -> bool {
+        matches!(self, Self::Probes | Self::Tetrahedra)
     }
 
     /// Shows patches instead of surfaces.
@@ -76,6 +95,9 @@ pub struct Eye {
     pub far: Option<f32>,
     /// Display = 2^exposure * radiance.
     pub exposure: f32,
+    /// Instead of `exposure`.
+    pub auto_exposure: Option<AutoExposure>,
+    pub tonemap: ToneCurve,
 }
 
 impl Eye {
@@ -91,6 +113,8 @@ impl Eye {
             near: camera.near,
             far: camera.far,
             exposure: camera.exposure,
+            auto_exposure: camera.auto_exposure,
+            tonemap: camera.tonemap,
         }
     }
 
@@ -99,8 +123,16 @@ impl Eye {
         let back = (position - at).normalize_or(DVec3::Z);
         let right = DVec3::Y.cross(back).normalize_or(DVec3::X);
         let rotation = DQuat::from_mat3(&DMat3::from_cols(right, back.cross(right), back));
-        let Camera { projection, near, far, exposure } = Camera::default();
-        Self { position, rotation, projection, near, far, exposure }
+        let world_from_local = DAffine3::from_rotation_translation(rotation, position);
+        Self::of_camera(&Camera::default(), &world_from_local)
+    }
+
+    /// With so many stops, whatever the camera says.
+    pub fn exposed(mut self, stops: Option<f32>) -> Self {
+        if let Some(stops) = stops {
+            (self.exposure, self.auto_exposure) = (stops, None);
+        }
+        self
     }
 
     /// The scene's camera, if it has one.
