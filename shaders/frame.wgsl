@@ -22,6 +22,8 @@ struct Frame {
     curve: u32,
     /// 1 for a reflection probe's camera.
     capture: u32,
+    /// W/m2 of one stored unit of radiosity, a power of two.
+    light_unit: f32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -34,6 +36,8 @@ const ALBEDO: u32 = 4u;
 const NORMAL: u32 = 5u;
 const PATCHES: u32 = 6u;
 const DENSITY: u32 = 7u;
+const PROBES: u32 = 8u;
+const TETRAHEDRA: u32 = 9u;
 
 /// Views that show no light are neither exposed nor bent.
 const AS_IT_IS: u32 = 0u;

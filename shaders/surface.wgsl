@@ -1,7 +1,7 @@
 // Surfaces: direct light from punctual lights with shadows, and what receivers (or light probes, for what
 // moves) say of the rest. Lambert for diffuse light, so that pictures agree with the transport to the last
 // digit; GGX (Walter et al. 2007, height-correlated Smith by Heitz 2014) with Schlick's Fresnel on top.
-#import hohlraum::frame::{frame, to_eye, drawn, COMPOSITE, DIRECT, INDIRECT, REFLECTION, ALBEDO}
+#import hohlraum::frame::{frame, to_eye, drawn, COMPOSITE, DIRECT, INDIRECT, REFLECTION, ALBEDO, NORMAL, PROBES}
 #import hohlraum::scene::mesh::{Still, Moving, moved, moved_normal, moved_tangent}
 #import hohlraum::scene::material::{material, base_color, metal, emission_at, bump, is, mapped, MASK, BLEND, UNLIT}
 #import hohlraum::scene::light::{lights, arrival, visible}
@@ -11,15 +11,17 @@
 /// Irradiance at receivers [W/m2]: seen unblocked from emitters and sky, and all that bounced.
 @group(2) @binding(0) var<storage, read> receivers_direct: array<vec4f>;
 @group(2) @binding(1) var<storage, read> receivers_indirect: array<vec4f>;
-/// Nine coefficients a light probe, likewise.
-@group(2) @binding(2) var<storage, read> probes_direct: array<vec4f>;
-@group(2) @binding(3) var<storage, read> probes_indirect: array<vec4f>;
+/// Nine coefficients an object that moves, likewise.
+@group(2) @binding(2) var<storage, read> objects_direct: array<vec4f>;
+@group(2) @binding(3) var<storage, read> objects_indirect: array<vec4f>;
 
 const PI: f32 = 3.14159265;
 /// In captures a surface mirrors at most this share: light between mirrors that face each other ends.
 const MOST_IN_CAPTURES: f32 = 0.9;
 /// Punctual lights have no size: a highlight is never smaller than this perceptual roughness makes it.
 const LEAST_HIGHLIGHT: f32 = 0.045;
+/// What is left of the scene where it is the background of a view.
+const DIMMED: f32 = 0.3;
 
 struct Point {
     @builtin(position) clip: vec4f,
@@ -73,8 +75,8 @@ fn moving(vertex: Moving) -> Point {
     var direct: array<vec3f, 9>;
     var indirect: array<vec3f, 9>;
     for (var k = 0u; k < 9u; k++) {
-        direct[k] = probes_direct[vertex.light.x * 9u + k].xyz;
-        indirect[k] = probes_indirect[vertex.light.x * 9u + k].xyz;
+        direct[k] = objects_direct[vertex.light.x * 9u + k].xyz;
+        indirect[k] = objects_indirect[vertex.light.x * 9u + k].xyz;
     }
     point.front_direct = sh::irradiance(direct, point.normal);
     point.front_indirect = sh::irradiance(indirect, point.normal);
@@ -251,12 +253,14 @@ fn shade(point: Point, @builtin(front_facing) front: bool) -> @location(0) vec4f
     if is(MASK) && here.alpha < material.cutoff {
         discard;
     }
-    if frame.view >= ALBEDO {
+    if frame.view == ALBEDO || frame.view == NORMAL {
         let plain = select(here.normal * 0.5 + 0.5, here.albedo, frame.view == ALBEDO);
         return vec4f(plain, 1.0) * select(1.0, here.alpha, is(BLEND));
     }
-    let seen = radiance_of(here, select(1.0, here.alpha, is(BLEND)));
-    return vec4f(drawn(seen.rgb), seen.a);
+    let radiance = radiance_of(here, select(1.0, here.alpha, is(BLEND)));
+    // Behind probes and their edges.
+    let share = select(1.0, DIMMED, frame.view >= PROBES);
+    return vec4f(drawn(radiance.rgb * share), radiance.a);
 }
 
 /// Radiance that is on its way to the eye, and what it covers: alpha thins out what leaves in all directions, and

@@ -7,6 +7,7 @@ mod cache;
 mod certify;
 mod chart;
 mod cut;
+mod depth;
 mod directions;
 mod emitter;
 mod holes;
@@ -32,6 +33,7 @@ use engine::scene::import::load_assets;
 use engine::scene::{Scene, SceneError, SkyKind, Warning};
 use engine::transport::file::TransportError;
 use engine::transport::key::{BakeWith, inputs, transport_key};
+use engine::transport::probe_field::ProbeField;
 use engine::transport::stale::Stale;
 use engine::transport::{Certificate, Transport, file, materials};
 use glam::{DVec3, Vec3};
@@ -209,6 +211,7 @@ fn run(
     certificate.inputs = inputs;
     certificate.warnings = opened.warnings.iter().map(Warning::to_string).collect();
     certificate.left_out = left_out(&opened.scene);
+    certificate.left_out.extend(left_out_of_probes(&transport));
     if !unchanged {
         certificate.threads = rayon::current_num_threads();
         certificate.seconds = started.elapsed().as_secs_f64();
@@ -260,6 +263,23 @@ fn left_out(scene: &Scene) -> Vec<String> {
     }
     if scene.entities.iter().all(|entity| entity.light_probes.is_none()) {
         left_out.push("light-probe rows: the scene has no light probes".to_owned());
+    }
+    left_out
+}
+
+/// Light probes that no object reads, and what the others do without.
+fn left_out_of_probes(transport: &Transport) -> Vec<String> {
+    let mut left_out = Vec::new();
+    let inside = transport.probes.iter().filter(|probe| probe.valid < 0.5).count();
+    if inside > 0 {
+        left_out.push(format!("{inside} light probes: they are inside solids"));
+    }
+    let merged = ProbeField::new(transport).merged.len();
+    if merged > 0 {
+        left_out.push(format!("{merged} light probes: others are in the same place"));
+    }
+    if !transport.probes.is_empty() && transport.depths.probes.is_empty() {
+        left_out.push("depths of light probes: no wall stands between neighbours".to_owned());
     }
     left_out
 }

@@ -7,13 +7,14 @@ use engine::scene::{MaterialId, Scene, Warning};
 use engine::transport::key::BakeWith;
 use engine::transport::sh::COEFFICIENTS;
 use engine::transport::surface::Blend;
-use engine::transport::{Certificate, Rows, Transport};
+use engine::transport::{Certificate, Probe, Rows, Transport};
 use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::balance::{balanced_rows, cap};
 use crate::cache::Cache;
 use crate::certify::certify_rows;
+use crate::depth::depths;
 use crate::directions::{Sobol, hash_of};
 use crate::emitter::Emitters;
 use crate::holes::AlphaHoles;
@@ -75,6 +76,8 @@ pub fn make(
     let receiver_hits = tracer.receiver_rows(with.rays, &caches.receiver)?;
     let receivers_towards = receivers_towards_emitters(&tracer, &emitters)?;
     let probe_rows = probe_rows(&tracer, &emitters)?;
+    mark_probes(&mut transport.probes, &probe_rows);
+    transport.depths = depths(&tracer, &transport, surface.unit);
 
     watcher.stage("balance", 1);
     let (rows, targets, balance) =
@@ -83,7 +86,7 @@ pub fn make(
     transport.patches.iter_mut().zip(targets).for_each(|(patch, target)| patch.target = target);
     transport.receiver_from_patch = receiver_rows(&receiver_hits, with.rays, &emitters, &receivers_towards);
     mark_receivers(&mut transport, &receiver_hits, with.rays);
-    add_probe_rows(&mut transport, probe_rows);
+    add_probe_rows(&mut transport.probe_from_patch, probe_rows);
     aggregate::mark(&mut transport.patches, &transport.patch_from_patch);
     watcher.advance(1, 0);
 
@@ -295,13 +298,17 @@ fn probe_rows(tracer: &Tracer, emitters: &Emitters) -> Result<Vec<ProbeRow>, Bak
         .collect()
 }
 
-fn add_probe_rows(transport: &mut Transport, rows: Vec<ProbeRow>) {
-    for (probe, row) in transport.probes.iter_mut().zip(rows) {
+/// Probes inside a solid are not used.
+fn mark_probes(probes: &mut [Probe], rows: &[ProbeRow]) {
+    for (probe, row) in probes.iter_mut().zip(rows) {
         probe.valid = f32::from(u8::from(row.lost <= INSIDE));
+    }
+}
+
+fn add_probe_rows(probe_from_patch: &mut Rows, rows: Vec<ProbeRow>) {
+    for row in rows {
         for k in 0..COEFFICIENTS {
-            transport
-                .probe_from_patch
-                .push(row.entries.iter().map(|(column, weights)| (*column, weights[k] as f32)));
+            probe_from_patch.push(row.entries.iter().map(|(column, weights)| (*column, weights[k] as f32)));
         }
     }
 }

@@ -183,7 +183,7 @@ impl Query {
     /// From punctual lights, by shadow rays.
     fn punctual(&self, tracer: &Tracer, position: Vec3, normal: Vec3) -> DVec3 {
         let lit = |light: &PlacedLight| {
-            let irradiance = light.irradiance(position, normal);
+            let irradiance = light.irradiance(position, normal, 0.0);
             let free = || {
                 let end = light.end(position, self.extent);
                 !light.light.casts_shadows || tracer.bvh.visible(position, normal, end, 0.5, tracer.holes)

@@ -91,7 +91,7 @@ fn gather(
     }
     let mirrored = world_from_local.matrix3.determinant() < 0.0;
     let placed: Vec<Corner> = (0..mesh.positions.len())
-        .map(|vertex| place(mesh, vertex, world_from_local, renderer.density.at(vertex)))
+        .map(|vertex| place(mesh, vertex, world_from_local, renderer.density.at(mesh.original(vertex))))
         .collect();
     for (slot, primitive) in mesh.primitives.iter().enumerate() {
         let material = renderer.materials.get(slot).or(renderer.materials.last()).copied();

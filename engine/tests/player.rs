@@ -83,9 +83,8 @@ fn scenes_without_light_camera_or_geometry_are_played() {
 #[test]
 fn wrong_usage_is_2_and_says_what_is_right() {
     let nowhere = Path::new("nowhere");
-    let wrong: [(&[&str], &str); 8] = [
+    let wrong: [(&[&str], &str); 7] = [
         (&["--vsync", "perhaps"], "on or off"),
-        (&["--view", "probes"], "later version"),
         (&["--view", "wonderful"], "composite, direct"),
         (&["--size", "0x10"], "1280x720"),
         (&["--frames", "0"], "frames"),

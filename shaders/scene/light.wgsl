@@ -23,6 +23,8 @@ struct Light {
 const SUN: u32 = 0u;
 const POINT: u32 = 1u;
 const SPOT: u32 = 2u;
+/// In place of a layer: it casts shadows, but there is no map for it.
+const UNMAPPED: i32 = -2;
 
 @group(1) @binding(0) var<storage, read> lights: array<Light>;
 @group(1) @binding(1) var<storage, read> shadow_views: array<mat4x4f>;

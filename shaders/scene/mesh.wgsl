@@ -26,7 +26,7 @@ struct Moving {
     @location(9) row_x: vec4f,
     @location(10) row_y: vec4f,
     @location(11) row_z: vec4f,
-    /// The light probe that it reads; 1 where the transform mirrors.
+    /// Which object it is, to find its light; 1 where the transform mirrors.
     @location(12) light: vec2u,
 }
 

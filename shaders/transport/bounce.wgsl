@@ -1,5 +1,5 @@
-// One bounce: next_i = E_i + rho_i * sum_j P_ij B_j, over one page of rows. `measured` also takes the largest
-// residual |next - B| and the largest B: non-negative floats order as their bits do.
+// One bounce: next_i = E_i + rho_i * sum_j P_ij B_j, over one page of rows. `measure` takes the largest
+// residual |next - B|, the largest B and the largest E: non-negative floats order as their bits do.
 #import hohlraum::transport::rows::{page, source, row_by_thread, row_by_group}
 
 @group(2) @binding(1) var<storage, read> exitance: array<vec4f>;
@@ -36,6 +36,8 @@ fn measure(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) gr
         let residual = abs(next[row].xyz - source[row].xyz);
         atomicMax(&tally[0], bitcast<u32>(max(residual.x, max(residual.y, residual.z))));
         atomicMax(&tally[1], bitcast<u32>(max(next[row].x, max(next[row].y, next[row].z))));
+        let own = exitance[row];
+        atomicMax(&tally[2], bitcast<u32>(max(own.x, max(own.y, own.z))));
     }
 }
 

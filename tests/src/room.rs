@@ -8,7 +8,7 @@ use engine::scene::{
     Transform,
 };
 use engine::transport::surface::{Blend, Surface};
-use engine::transport::{Batch, NONE, Patch, Receiver, Rows, Sample, Transport, Vertex, sky};
+use engine::transport::{Batch, NONE, Patch, Probe, Receiver, Rows, Sample, Transport, Vertex, sh, sky};
 use glam::{DQuat, DVec3, Vec2, Vec3};
 
 /// A rectangle: a corner and two edges; its front is along their cross product.
@@ -149,6 +149,45 @@ pub fn closed_box(low: Vec3, high: Vec3, n: u32) -> Transport {
         transport.receiver_from_patch.push(shares(&row));
     }
     transport
+}
+
+/// A closed box of [`closed_box`] with light probes in it, their rows by many rays.
+pub fn with_probes(mut transport: Transport, low: Vec3, high: Vec3, positions: &[Vec3]) -> Transport {
+    const RAYS: u32 = 20_000;
+    let walls = walls(low, high);
+    let n = ((transport.patches.len() / 6) as f32).sqrt().round() as u32;
+    for &position in positions {
+        transport.probes.push(Probe { position, valid: 1.0, ..Probe::default() });
+        let mut weights = vec![[0.0_f32; sh::COEFFICIENTS]; transport.patches.len()];
+        for direction in directions(RAYS) {
+            let way = |wall: &Rectangle| {
+                wall.normal().dot(wall.corner - position) / wall.normal().dot(direction).min(-1e-9)
+            };
+            let distances = walls.each_ref().map(way);
+            let hit = (0..6).min_by(|&a, &b| distances[a].total_cmp(&distances[b])).unwrap_or(0);
+            let wall = &walls[hit];
+            let at = position + direction * distances[hit] - wall.corner;
+            let cell = wall.edges.map(|edge| (at.dot(edge) / edge.length_squared() * n as f32) as u32);
+            let patch = hit as u32 * n * n + cell[1].min(n - 1) * n + cell[0].min(n - 1);
+            let y = sh::basis(direction);
+            (0..9).for_each(|k| weights[patch as usize][k] += 4.0 / RAYS as f32 * y[k]);
+        }
+        for k in 0..sh::COEFFICIENTS {
+            transport.probe_from_patch.push((0..).zip(&weights).map(|(patch, weights)| (patch, weights[k])));
+        }
+    }
+    transport
+}
+
+/// Evenly spread over the sphere (a Fibonacci spiral).
+pub fn directions(n: u32) -> impl Iterator<Item = Vec3> {
+    let golden = PI * (3.0 - 5.0_f32.sqrt());
+    (0..n).map(move |k| {
+        let z = 1.0 - (2 * k + 1) as f32 / n as f32;
+        let r = (1.0 - z * z).sqrt();
+        let angle = golden * k as f32;
+        Vec3::new(r * angle.cos(), r * angle.sin(), z)
+    })
 }
 
 /// What is more than nothing, as shares of 1 less a little for rounding.

@@ -121,6 +121,10 @@ fn room_scene(transport: &Transport) -> Scene {
 
 fn room_studio(gpu: Gpu) -> (Studio, Scene) {
     let transport = room::closed_box(Vec3::new(-1.0, 0.0, -1.0), Vec3::new(1.0, 2.0, 1.0), 6);
+    let positions = [0.4, 1.6].map(|y| [-0.6, 0.6].map(|x| [-0.6, 0.6].map(|z| Vec3::new(x, y, z))));
+    let positions = positions.as_flattened().as_flattened();
+    let transport =
+        room::with_probes(transport, Vec3::new(-1.0, 0.0, -1.0), Vec3::new(1.0, 2.0, 1.0), positions);
     let scene = room_scene(&transport);
     let eye = Eye::looking(DVec3::new(0.0, 1.0, 3.4), DVec3::new(0.0, 1.0, 0.0));
     (Studio::new(gpu, transport, eye, [64, 64]), scene)

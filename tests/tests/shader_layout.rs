@@ -10,12 +10,15 @@ use engine::render::gather::MeanUniform;
 use engine::render::lights::GpuLight;
 use engine::render::materials::{MapUniform, MaterialUniform};
 use engine::render::overlay::PanelUniform;
+use engine::render::rays::{Blocker, CountUniform, GpuTriangle};
 use engine::render::reflections::prefilter::{PrefilterUniform, ProjectUniform};
 use engine::render::reflections::uses::{self, GpuReflectionProbe, ReflectionUse};
 use engine::render::rows::PageUniform;
 use engine::render::shaders;
 use engine::render::shadow::ShadowView;
 use engine::render::sky::SkyUniform;
+use engine::render::unit::RescaleUniform;
+use engine::transport::probe_field::Weights;
 use engine::transport::{Patch, Sample};
 use naga::{Module, TypeInner};
 
@@ -54,8 +57,8 @@ macro_rules! fields {
 
 #[test]
 fn frame() {
-    let fields = fields!(FrameUniform: clip_from_world, eye, forward, time, right, exposure, up, lights, view, encode,
-        pre_exposure, curve, capture);
+    let fields = fields!(FrameUniform: clip_from_world, eye, forward, time, right, exposure, up, lights, view,
+        encode, pre_exposure, curve, capture, light_unit);
     compare(shaders::SURFACE, "Frame", fields, size_of::<FrameUniform>());
 }
 
@@ -127,10 +130,28 @@ fn exposure_and_overlay() {
 }
 
 #[test]
+fn weights_of_probes() {
+    compare(shaders::OBJECTS, "Weights", fields!(Weights: probes, weights), size_of::<Weights>());
+}
+
+#[test]
 fn rows() {
     compare(shaders::BOUNCE, "Page", fields!(PageUniform: first, count), size_of::<PageUniform>());
     let fields = fields!(CoarseUniform: patches, aggregates, chunks);
     compare(shaders::COARSE, "Coarse", fields, size_of::<CoarseUniform>());
+    compare(shaders::UNIT, "Rescale", fields!(RescaleUniform: columns, factor), size_of::<RescaleUniform>());
     let fields = fields!(MeanUniform: receivers, share, probe);
     compare(shaders::MEAN, "Mean", fields, size_of::<MeanUniform>());
+}
+
+#[test]
+fn rays() {
+    let fields = fields!(Blocker: row_x, row_y, row_z, centre, radius, nodes, triangles, parts, scale);
+    compare(shaders::DIRECT, "Blocker", fields, size_of::<Blocker>());
+    let fields = fields!(GpuTriangle: a, part, b, ordered, c);
+    compare(shaders::DIRECT, "Triangle", fields, size_of::<GpuTriangle>());
+    compare(shaders::DIRECT, "Count", fields!(CountUniform: blockers, offset), size_of::<CountUniform>());
+    // The tree's nodes are uploaded as they are.
+    let module = shaders::library().unwrap().compose(shaders::DIRECT).unwrap();
+    assert_eq!(wgsl(&module, "Node").1, 80);
 }

@@ -105,13 +105,7 @@ fn on_or_off(text: &str) -> Result<bool, String> {
     }
 }
 
-/// Views that later versions bring.
-const LATER: [&str; 2] = ["probes", "tetrahedra"];
-
 fn view(text: &str) -> Result<View, String> {
-    if LATER.contains(&text) {
-        return Err(format!("view {text} comes with a later version"));
-    }
     let names = View::ALL.map(View::name).join(", ");
     let found = View::ALL.into_iter().find(|view| view.name() == text);
     found.ok_or_else(|| format!("there are: {names}"))

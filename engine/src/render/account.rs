@@ -6,14 +6,16 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::RenderError;
+use super::direct::PatchShadows;
 use super::frame::{FrameUniform, Renderer};
+use super::objects::Objects;
 use super::reflections::sight::Sight;
 use super::spaces::Spaces;
 use super::targets::Targets;
 use crate::gpu::{Gpu, GpuError, buffer};
 use crate::scene::EntityId;
-use crate::transport::Transport;
 use crate::transport::reflection::Cube;
+use crate::transport::{Occluders, Transport};
 
 /// How a picture was exposed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,7 +27,7 @@ pub struct Exposed {
 impl Renderer {
     /// The error of B is at most this share of the largest B.
     pub fn bound(&self) -> Option<f32> {
-        Some(self.bounce.measured?.bound(self.sources.known_gain()))
+        Some(self.steering.measured()?.bound(self.sources.known_gain()))
     }
 
     /// Cubemaps of baked reflection probes, from disk.
@@ -58,9 +60,29 @@ impl Renderer {
         &self.transport
     }
 
+    /// The static surface, to be asked by rays.
+    pub fn occluders(&self) -> &Occluders {
+        &self.occluders
+    }
+
+    /// What told patches in the last frame whether a light reaches them.
+    pub fn patch_shadows(&self) -> PatchShadows {
+        self.direct.used()
+    }
+
+    /// W/m2 of one stored unit of radiosity.
+    pub fn light_unit(&self) -> f32 {
+        self.sources.unit()
+    }
+
     /// The light as it lies on the GPU.
     pub fn spaces(&self) -> &Spaces {
         &self.spaces
+    }
+
+    /// The light of what moves.
+    pub fn objects(&self) -> &Objects {
+        &self.objects
     }
 
     /// What the last frame was drawn into before the tonemap.
@@ -95,12 +117,13 @@ impl Renderer {
     }
 
     /// Bytes on the GPU by kind.
-    pub fn bytes(&self) -> [(&'static str, u64); 10] {
+    pub fn bytes(&self) -> [(&'static str, u64); 11] {
         [
             ("rows", self.bounce.bytes() + self.gather.bytes()),
-            ("light", self.spaces.bytes),
+            ("light", self.spaces.bytes + self.objects.bytes()),
             ("coarse correction", self.coarse.bytes),
             ("surface", self.still.bytes),
+            ("shadow rays", self.direct.bytes()),
             ("meshes", self.meshes.bytes()),
             ("pictures", self.pictures.bytes),
             ("shadow maps", self.shadows.bytes()),

@@ -8,14 +8,12 @@ use super::coarse::Coarse;
 use super::rows::{PagedRows, Summed};
 use super::shaders;
 use super::spaces::Spaces;
+use super::steering::Measured;
 use crate::gpu::buffer::{self, Readback};
 use crate::gpu::pass::{self, Binding};
 use crate::gpu::shader::Library;
 use crate::gpu::timing::Timer;
 use crate::gpu::{Gpu, GpuError};
-
-/// Of the largest B; below it the light counts as solved.
-pub const TOLERANCE: f32 = 1e-3;
 
 pub struct Bounce {
     product: wgpu::ComputePipeline,
@@ -25,31 +23,9 @@ pub struct Bounce {
     rows: PagedRows,
     patch_count: u32,
     tally: wgpu::Buffer,
-    readback: Readback<u64>,
+    /// Tagged with the version of the light and the unit of its radiosity.
+    readback: Readback<(u64, f32)>,
     sending: Option<usize>,
-    /// What the last frame that came back said.
-    pub measured: Option<Measured>,
-}
-
-/// Of the light before the last product of a frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Measured {
-    /// Counts changes of what the bounce starts from.
-    pub version: u64,
-    /// Largest |E + rho P B - B| [W/m2].
-    pub residual: f32,
-    /// Largest radiosity [W/m2].
-    pub largest: f32,
-}
-
-impl Measured {
-    /// The error is at most this share of the largest B. A NaN is never below a tolerance.
-    pub fn bound(&self, cavity_gain: f32) -> f32 {
-        if self.largest == 0.0 && self.residual == 0.0 {
-            return 0.0;
-        }
-        cavity_gain * self.residual / self.largest
-    }
 }
 
 impl Bounce {
@@ -90,7 +66,6 @@ impl Bounce {
             tally,
             readback: Readback::new(gpu, 64),
             sending: None,
-            measured: None,
         })
     }
 
@@ -102,14 +77,15 @@ impl Bounce {
         self.rows.pages()
     }
 
-    /// So many products; the last one is measured and the measure sent back. Returns the dispatches.
+    /// So many products; the last one is measured and the measure sent back with the light's version and unit. Returns
+    /// the dispatches.
     pub fn run(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         timer: &mut Timer,
         coarse: &Coarse,
         products: u32,
-        version: u64,
+        tag: (u64, f32),
     ) -> u32 {
         if self.patch_count == 0 || products == 0 {
             return 0;
@@ -131,7 +107,7 @@ impl Bounce {
             dispatches += coarse.correct(&mut pass);
         }
         drop(pass);
-        self.sending = self.readback.copy(encoder, &self.tally, version);
+        self.sending = self.readback.copy(encoder, &self.tally, tag);
         dispatches
     }
 
@@ -140,10 +116,13 @@ impl Bounce {
         self.readback.send(self.sending.take());
     }
 
-    /// Takes in what has arrived.
-    pub fn receive(&mut self) {
-        for (version, tally) in self.readback.receive::<f32>() {
-            self.measured = Some(Measured { version, residual: tally[0], largest: tally[1] });
-        }
+    /// What has arrived, oldest first.
+    pub fn receive(&mut self) -> impl Iterator<Item = Measured> {
+        self.readback.receive::<f32>().into_iter().map(|((version, unit), tally)| Measured {
+            version,
+            residual: tally[0] * unit,
+            largest: tally[1] * unit,
+            exitance: tally[2] * unit,
+        })
     }
 }

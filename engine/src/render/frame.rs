@@ -11,17 +11,21 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use glam::{DAffine3, Mat4, Vec3, Vec4};
 
-use super::bounce::{Bounce, Measured, TOLERANCE};
+use super::bounce::Bounce;
 use super::coarse::Coarse;
-use super::direct::Direct;
+use super::dering::Dering;
+use super::direct::{Direct, PatchShadows};
 use super::exposure::{self, Exposure};
-use super::gather::{Gather, Source};
+use super::gather::Gather;
 use super::instances::Instances;
+use super::lines::Lines;
 use super::materials::Materials;
 use super::meshes::{Meshes, StillBuffers};
+use super::objects::Objects;
 use super::overlay::Overlay;
 use super::patches::Patches;
 use super::pictures::Pictures;
+use super::probes::{self, Probes};
 use super::reflections::capture::Set;
 use super::reflections::{Captured, Reflections, Seen};
 use super::rows::{self, PagedRows, Summed};
@@ -29,9 +33,11 @@ use super::shadow::{Casters, Shadows};
 use super::sky::SkyPass;
 use super::sources::Sources;
 use super::spaces::Spaces;
+use super::steering::Steering;
 use super::surface::{Look, Scenery, Surfaces, Which};
 use super::targets::{self, Targets};
 use super::tonemap::{self, Tonemap};
+use super::unit::Rescale;
 use super::view::{Eye, View};
 use super::{RenderError, lights, shaders};
 use crate::gpu::pass::{self, Binding};
@@ -39,7 +45,7 @@ use crate::gpu::timing::Timer;
 use crate::gpu::{Gpu, buffer};
 use crate::scene::Scene;
 use crate::scene::assets::Assets;
-use crate::transport::Transport;
+use crate::transport::{Occluders, Transport};
 
 /// The scene as it is now, and where it is looked at from.
 #[derive(Clone, Copy)]
@@ -60,6 +66,8 @@ pub struct Settings {
     pub samples: Option<u32>,
     /// How rows are summed; `None`: as suits the adapter.
     pub summed: Option<Summed>,
+    /// What tells patches whether a light reaches them; `None`: as suits adapter and scene.
+    pub patch_shadows: Option<PatchShadows>,
     /// Waits for what a frame measures before the next one, so that pictures repeat.
     pub wait: bool,
     /// Albedo as authored, however long light bounces in a closed room.
@@ -69,7 +77,7 @@ pub struct Settings {
 /// What a frame came to.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Drawn {
-    /// Of direct light, bounce and gather.
+    /// Of direct light, bounce, gather and what makes moving objects' light of it.
     pub transport_dispatches: u32,
     pub products: u32,
     pub draws: u32,
@@ -98,12 +106,9 @@ pub struct FrameUniform {
     pub pre_exposure: f32,
     pub curve: u32,
     pub capture: u32,
-    pub padding: [u32; 3],
+    pub light_unit: f32,
+    pub padding: [u32; 2],
 }
-
-/// Products of a frame while the light changes, and of the first one, which starts from darkness.
-const PRODUCTS: u32 = 2;
-const FIRST_PRODUCTS: u32 = 16;
 
 /// What is captured once waits until the error of light is below this share: of light that always moves, it is
 /// never 0.
@@ -116,6 +121,7 @@ const FRAME: wgpu::BufferUsages = wgpu::BufferUsages::UNIFORM.union(wgpu::Buffer
 pub struct Renderer {
     pub(super) gpu: Arc<Gpu>,
     pub(super) transport: Arc<Transport>,
+    pub(super) occluders: Occluders,
     pub(super) settings: Settings,
     pub(super) samples: u32,
     pub timer: Timer,
@@ -131,9 +137,13 @@ pub struct Renderer {
     pub(super) bounce: Bounce,
     pub(super) coarse: Coarse,
     pub(super) gather: Gather,
+    pub(super) dering: Dering,
+    pub(super) objects: Objects,
     pub(super) reflections: Reflections,
     pub(super) surfaces: Surfaces,
     pub(super) patches: Patches,
+    pub(super) probes: Probes,
+    pub(super) tetrahedra: Lines,
     pub(super) sky: SkyPass,
     pub(super) exposure: Exposure,
     pub(super) tonemap: Tonemap,
@@ -142,8 +152,8 @@ pub struct Renderer {
     pub(super) frame: wgpu::Buffer,
     pub(super) frame_group: wgpu::BindGroup,
     pub(super) target: Option<(Targets, wgpu::BindGroup)>,
-    /// Counts changes of what the bounce starts from.
-    pub(super) version: u64,
+    pub(super) rescale: Rescale,
+    pub(super) steering: Steering,
     /// Probes hold what is current.
     pub(super) probes_current: bool,
     /// What captures show, and changes of the sky.
@@ -174,6 +184,7 @@ impl Renderer {
             paged("probe", &transport.probe_from_patch)?,
         ];
         let spaces = Spaces::new(gpu_ref, &transport)?;
+        let occluders = Occluders::new(&transport);
         let mut pictures = Pictures::new(gpu_ref, library)?;
         let materials = Materials::new(gpu_ref, assets, &mut pictures);
         let shadows = Shadows::new(gpu_ref, library, materials.layout())?;
@@ -186,25 +197,39 @@ impl Renderer {
             still: StillBuffers::new(gpu_ref, &transport)?,
             instances: Instances::new(gpu_ref, &transport),
             sources: Sources::new(transport.clone(), settings.unlimited_gain),
-            direct: Direct::new(gpu_ref, library, frame_layout, scene_layout, &spaces)?,
+            direct: Direct::new(
+                gpu_ref,
+                library,
+                [frame_layout, scene_layout],
+                &spaces,
+                &transport,
+                &occluders,
+                settings.patch_shadows,
+            )?,
             bounce: Bounce::new(gpu_ref, library, page, patch_rows, summed, &spaces)?,
             coarse: Coarse::new(gpu_ref, library, &spaces)?,
-            gather: Gather::new(gpu_ref, library, page, read_rows, summed, &spaces)?,
+            gather: Gather::new(gpu_ref, library, [frame_layout, page], read_rows, summed, &spaces)?,
+            rescale: Rescale::new(gpu_ref, library, &spaces)?,
+            dering: Dering::new(gpu_ref, library, &spaces)?,
+            objects: Objects::new(gpu_ref, library, &transport, &spaces)?,
             reflections: Reflections::new(gpu_ref, library, frame_layout)?,
             surfaces: Surfaces::new(gpu_ref, library, frame_layout, scene_layout, materials.layout())?,
             patches: Patches::new(gpu_ref, library, frame_layout)?,
+            probes: Probes::new(gpu_ref, library, frame_layout, &spaces)?,
+            tetrahedra: Lines::new(gpu_ref, library, frame_layout)?,
             sky: SkyPass::new(gpu_ref, library, frame_layout, &pictures)?,
             exposure: Exposure::new(gpu_ref, library, frame_layout)?,
             tonemap: Tonemap::new(gpu_ref, library, frame_layout)?,
             overlay: Overlay::new(gpu_ref, library)?,
             frame_group: pass::buffers(gpu_ref, "frame", frame_layout, &[&frame]),
             frame,
+            occluders,
             shadows,
             spaces,
             pictures,
             materials,
             target: None,
-            version: 0,
+            steering: Steering::default(),
             probes_current: false,
             seen: (Seen::default(), 0),
             moved: 0,
@@ -224,9 +249,12 @@ impl Renderer {
         // What stands where, what it is made of, what shines.
         let materials_changed = self.materials.update(gpu, now.assets, &mut self.pictures, now.scene);
         self.instances.update(gpu, now, &self.transport, &self.materials, &mut self.meshes);
+        self.objects.update(gpu, &self.instances, &self.spaces);
         let lights = lights::placed(now, &self.instances, self.transport.origin);
         let sky_changed = self.sky.update(gpu, now.assets, &mut self.pictures, &now.scene.sky.kind, &lights);
-        let emitted = self.sources.update(gpu, now, materials_changed, &self.spaces, &mut self.coarse)?;
+        let brightest = lights::brightest(&lights).max(self.steering.brightest());
+        let emitted =
+            self.sources.update(gpu, now, materials_changed, brightest, &self.spaces, &mut self.coarse)?;
 
         // What the lights see.
         let casters = Casters {
@@ -236,11 +264,13 @@ impl Renderer {
             materials: &self.materials,
         };
         let shadowed = self.shadows.update(gpu, &mut encoder, &mut self.timer, &lights, &casters);
+        let mapped = self.shadows.lights();
+        let lit = self.direct.follow(gpu, &lights, &casters, mapped, shadowed.changed);
         let uniform = self.write_frame(gpu, now, display);
 
         // Light on patches, then from patch to patch, then to receivers and probes.
-        let changed = shadowed.changed || emitted.albedo || emitted.emission;
-        let mut drawn = self.light(&mut encoder, changed, emitted.emission);
+        let dark = !self.sources.shines() && !lights.iter().any(lights::shines);
+        let mut drawn = self.light(&mut encoder, lit, emitted, dark, now.view);
 
         // What reflection probes see.
         let stirred = shadowed.changed || materials_changed || drawn.transport_dispatches > 0;
@@ -261,29 +291,6 @@ impl Renderer {
         self.finish(gpu)?;
         drawn.bound = self.bound();
         Ok(drawn)
-    }
-
-    /// Direct light, bounce and gather: what of them is needed.
-    fn light(&mut self, encoder: &mut wgpu::CommandEncoder, changed: bool, emission: bool) -> Drawn {
-        let (timer, mut dispatches) = (&mut self.timer, 0);
-        if changed {
-            self.version += 1;
-            dispatches += self.direct.run(encoder, timer, &self.frame_group, self.shadows.scene_group());
-        }
-        let gain = self.sources.cavity_gain(self.settings.wait);
-        let products = products(self.bounce.measured, self.version, gain);
-        dispatches += self.bounce.run(encoder, timer, &self.coarse, products, self.version);
-        let moving = self.instances.any_moving();
-        let probes_late = moving && !self.probes_current;
-        if emission || probes_late {
-            dispatches += self.gather.run(encoder, timer, Source::Emitted, moving);
-        }
-        if products > 0 || probes_late {
-            dispatches += self.gather.run(encoder, timer, Source::Bounced, moving);
-        }
-        // What moves no longer may come back after the light has changed.
-        self.probes_current = moving;
-        Drawn { transport_dispatches: dispatches, products, ..Drawn::default() }
     }
 
     /// Counts what captures show.
@@ -307,7 +314,7 @@ impl Renderer {
         settled: bool,
     ) -> Captured {
         self.reflections.update(gpu, now, &self.instances, &self.transport);
-        self.surfaces.bind(gpu, &self.spaces, &self.reflections);
+        self.surfaces.bind(gpu, &self.spaces, &self.objects, &self.reflections);
         let scenery = Scenery {
             scene: self.shadows.scene_group(),
             instances: &self.instances,
@@ -407,6 +414,14 @@ impl Renderer {
             }
             draws += self.surfaces.draw(gpu, &mut pass, &scenery, &look, Which { blended: true, ..all });
         }
+        let probes = (&*self.transport, self.objects.field());
+        if now.view == View::Probes {
+            draws += self.probes.draw(gpu, &mut pass, &self.frame_group, probes, self.samples);
+        }
+        if now.view == View::Tetrahedra {
+            self.tetrahedra.set(gpu, &probes::tetrahedra(probes.0, probes.1));
+            draws += self.tetrahedra.draw(gpu, &mut pass, &self.frame_group, self.samples);
+        }
         draws
     }
 
@@ -429,7 +444,8 @@ impl Renderer {
             pre_exposure: if shows_light { exposure::pre_exposure(now.eye.exposure) } else { 1.0 },
             curve: tonemap::curve_of(now.view, now.eye.tonemap),
             capture: 0,
-            padding: [0; 3],
+            light_unit: self.sources.unit(),
+            padding: [0; 2],
         };
         gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
         uniform
@@ -447,18 +463,11 @@ impl Renderer {
         Ok(())
     }
 
-    /// Takes in what has come back from the GPU.
+    /// What earlier frames measured.
     fn receive(&mut self) {
-        self.bounce.receive();
+        self.bounce.receive().for_each(|measured| self.steering.receive(measured));
         self.reflections.receive();
         self.timer.receive();
         self.exposure.receive();
     }
-}
-
-/// How many products the light needs now: none once it is known to be solved.
-fn products(measured: Option<Measured>, version: u64, cavity_gain: f32) -> u32 {
-    let Some(measured) = measured else { return FIRST_PRODUCTS };
-    let bound = measured.bound(cavity_gain);
-    if measured.version == version && bound <= TOLERANCE { 0 } else { PRODUCTS }
 }

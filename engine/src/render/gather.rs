@@ -46,7 +46,7 @@ impl Gather {
     pub fn new(
         gpu: &Gpu,
         library: &mut Library,
-        page_layout: &wgpu::BindGroupLayout,
+        [frame_layout, page_layout]: [&wgpu::BindGroupLayout; 2],
         [receiver_rows, probe_rows]: [PagedRows; 2],
         summed: Summed,
         spaces: &Spaces,
@@ -72,7 +72,12 @@ impl Gather {
         let uniform = buffer::filled(gpu, "mean", &[uniform], wgpu::BufferUsages::UNIFORM);
         let sources = [&spaces.emitted, &spaces.bounced];
         Ok(Self {
-            pipeline: pass::compute(gpu, &module, entry, &[None, None, Some(&layout), Some(page_layout)]),
+            pipeline: pass::compute(
+                gpu,
+                &module,
+                entry,
+                &[Some(frame_layout), None, Some(&layout), Some(page_layout)],
+            ),
             mean: pass::compute(gpu, &mean_module, "mean", &[None, None, Some(&layout), Some(&mean_layout)]),
             summed,
             receivers: groups(sources, &spaces.receivers),
@@ -94,6 +99,7 @@ impl Gather {
         &self,
         encoder: &mut wgpu::CommandEncoder,
         timer: &mut Timer,
+        frame: &wgpu::BindGroup,
         source: Source,
         moving: bool,
     ) -> u32 {
@@ -106,6 +112,7 @@ impl Gather {
             timestamp_writes: timer.compute("gather"),
         });
         pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, frame, &[]);
         pass.set_bind_group(2, &self.receivers[which], &[]);
         let mut dispatches = self.receiver_rows.dispatch(&mut pass, self.summed);
         if !moving {

@@ -21,8 +21,8 @@ use crate::transport::{Batch, Transport};
 pub struct Instance {
     /// Of world_from_local, world relative to the transport's origin.
     pub rows: [[f32; 4]; 3],
-    /// The light probe that it reads.
-    pub probe: u32,
+    /// Its own number, by which it finds its light in [`super::objects`].
+    pub object: u32,
     pub mirrored: u32,
 }
 
@@ -61,6 +61,8 @@ pub struct Instances {
     pub hidden: Vec<bool>,
     pub buffer: Held<Instance>,
     items: Vec<Instance>,
+    /// Of each instance: its entity, and the middle of its bounding sphere, relative to the transport's origin.
+    pub placed: Vec<(EntityId, Vec3)>,
     index_of: HashMap<EntityId, usize>,
     /// Static entities that the bake lights.
     baked: HashSet<EntityId>,
@@ -84,6 +86,7 @@ impl Instances {
             hidden: Vec::new(),
             buffer: Held::new(gpu, "instances", wgpu::BufferUsages::VERTEX),
             items: Vec::new(),
+            placed: Vec::new(),
             index_of: HashMap::new(),
             baked: surface.batches.iter().map(Batch::entity).collect(),
             batches,
@@ -104,6 +107,7 @@ impl Instances {
         self.hidden = hidden(now.scene, &self.index_of);
         self.draws.clear();
         self.items.clear();
+        self.placed.clear();
         self.place_batches(now, transport, materials);
         for index in 0..now.scene.entities.len() {
             self.place_moving(gpu, now, transport, materials, meshes, index);
@@ -179,9 +183,10 @@ impl Instances {
         let mirrored = world.matrix3.determinant() < 0.0;
         self.items.push(Instance {
             rows: rows(world, transport.origin),
-            probe: nearest_probe(transport, centre),
+            object: instance,
             mirrored: u32::from(mirrored),
         });
+        self.placed.push((entity.id, centre));
         for (at, primitive) in mesh.primitives.iter().enumerate() {
             let id = renderer.materials.get(at).or(renderer.materials.last()).copied();
             let material = id.map_or(0, |id| materials.index(id));
@@ -252,13 +257,4 @@ fn sphere(points: impl Iterator<Item = Vec3> + Clone) -> (Vec3, f32) {
         points.clone().fold((first, first), |(low, high), point| (low.min(point), high.max(point)));
     let centre = (low + high) * 0.5;
     (centre, points.map(|point| point.distance(centre)).fold(0.0, f32::max))
-}
-
-/// The nearest valid probe; where there is none, the place behind the last, which holds the mean of all
-/// receivers.
-fn nearest_probe(transport: &Transport, at: Vec3) -> u32 {
-    let valid = transport.probes.iter().enumerate().filter(|(_, probe)| probe.valid > 0.5);
-    let nearest = valid
-        .min_by(|(_, a), (_, b)| a.position.distance_squared(at).total_cmp(&b.position.distance_squared(at)));
-    nearest.map_or(transport.probes.len(), |(index, _)| index) as u32
 }

@@ -23,6 +23,9 @@ pub struct GpuLight {
     pub texel: f32,
 }
 
+/// In place of a layer: it casts shadows, but there is no map for it.
+pub const UNMAPPED: i32 = -2;
+
 /// Without a shadow map yet.
 pub fn on_gpu(placed: &PlacedLight) -> GpuLight {
     let light = &placed.light;
@@ -47,6 +50,12 @@ pub fn on_gpu(placed: &PlacedLight) -> GpuLight {
 pub fn shines(placed: &PlacedLight) -> bool {
     let power = placed.light.power();
     power.is_finite() && power.max_element() > 0.0
+}
+
+/// At a distance of 1 m [W/m2]; 0 where none shines.
+pub fn brightest(placed: &[PlacedLight]) -> f32 {
+    let shining = placed.iter().filter(|light| shines(light));
+    shining.map(|light| light.light.power().max_element()).fold(0.0, f32::max)
 }
 
 /// All lights that are not hidden, dark ones too: which shadow map is whose does not change when a light is

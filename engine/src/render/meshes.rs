@@ -20,7 +20,7 @@ pub struct MeshBuffers {
     pub low: Vec3,
     pub high: Vec3,
     /// What it was made of: another mesh under the same name is uploaded anew.
-    source: Arc<Mesh>,
+    pub source: Arc<Mesh>,
 }
 
 /// The baked surface.

@@ -4,24 +4,31 @@ use crate::gpu::GpuError;
 use crate::gpu::shader::{Library, Source};
 
 /// Files that others import; each stands behind those that it imports itself.
-pub const IMPORTED: [Source; 8] = [
+pub const IMPORTED: [Source; 10] = [
     Source { name: "frame", text: include_str!("../../../shaders/frame.wgsl") },
     Source { name: "scene/mesh", text: include_str!("../../../shaders/scene/mesh.wgsl") },
     Source { name: "scene/material", text: include_str!("../../../shaders/scene/material.wgsl") },
     Source { name: "scene/light", text: include_str!("../../../shaders/scene/light.wgsl") },
     Source { name: "transport/patch", text: include_str!("../../../shaders/transport/patch.wgsl") },
+    Source { name: "transport/rays", text: include_str!("../../../shaders/transport/rays.wgsl") },
+    Source {
+        name: "transport/solid_angle",
+        text: include_str!("../../../shaders/transport/solid_angle.wgsl"),
+    },
     Source { name: "transport/rows", text: include_str!("../../../shaders/transport/rows.wgsl") },
     Source { name: "transport/sh", text: include_str!("../../../shaders/transport/sh.wgsl") },
     Source { name: "scene/reflection", text: include_str!("../../../shaders/scene/reflection.wgsl") },
 ];
 
 /// One file a pass.
-pub const PASSES: [Source; 14] = [
-    SHADOW, DIRECT, BOUNCE, COARSE, GATHER, MEAN, PREFILTER, SURFACE, PATCHES, SKY, EXPOSURE, TONEMAP,
-    OVERLAY, MIPMAP,
+pub const PASSES: [Source; 19] = [
+    SHADOW, UNIT, DIRECT, BOUNCE, COARSE, GATHER, MEAN, DERING, OBJECTS, PREFILTER, SURFACE, PATCHES, PROBES,
+    LINES, SKY, EXPOSURE, TONEMAP, OVERLAY, MIPMAP,
 ];
 
 pub const SHADOW: Source = Source { name: "shadow", text: include_str!("../../../shaders/shadow.wgsl") };
+pub const UNIT: Source =
+    Source { name: "transport/unit", text: include_str!("../../../shaders/transport/unit.wgsl") };
 pub const DIRECT: Source =
     Source { name: "transport/direct", text: include_str!("../../../shaders/transport/direct.wgsl") };
 pub const BOUNCE: Source =
@@ -32,10 +39,16 @@ pub const GATHER: Source =
     Source { name: "transport/gather", text: include_str!("../../../shaders/transport/gather.wgsl") };
 pub const MEAN: Source =
     Source { name: "transport/mean", text: include_str!("../../../shaders/transport/mean.wgsl") };
+pub const DERING: Source =
+    Source { name: "transport/dering", text: include_str!("../../../shaders/transport/dering.wgsl") };
+pub const OBJECTS: Source =
+    Source { name: "transport/objects", text: include_str!("../../../shaders/transport/objects.wgsl") };
 pub const PREFILTER: Source =
     Source { name: "prefilter", text: include_str!("../../../shaders/prefilter.wgsl") };
 pub const SURFACE: Source = Source { name: "surface", text: include_str!("../../../shaders/surface.wgsl") };
 pub const PATCHES: Source = Source { name: "patches", text: include_str!("../../../shaders/patches.wgsl") };
+pub const PROBES: Source = Source { name: "probes", text: include_str!("../../../shaders/probes.wgsl") };
+pub const LINES: Source = Source { name: "lines", text: include_str!("../../../shaders/lines.wgsl") };
 pub const SKY: Source = Source { name: "sky", text: include_str!("../../../shaders/sky.wgsl") };
 pub const EXPOSURE: Source =
     Source { name: "exposure", text: include_str!("../../../shaders/exposure.wgsl") };

@@ -121,6 +121,11 @@ impl Shadows {
         &self.scene_group
     }
 
+    /// Those that shine, with their maps.
+    pub fn lights(&self) -> &[GpuLight] {
+        self.lights.items()
+    }
+
     pub fn light_count(&self) -> u32 {
         self.lights.items().len() as u32
     }
@@ -190,6 +195,9 @@ impl Shadows {
         for light in placed {
             let kind = kind_of(light);
             let mut described = lights::on_gpu(light);
+            if light.light.casts_shadows && next[kind] >= MOST[kind] {
+                described.layer = lights::UNMAPPED;
+            }
             if light.light.casts_shadows && next[kind] < MOST[kind] {
                 let layer = next[kind] * if kind == POINT { 6 } else { 1 };
                 next[kind] += 1;

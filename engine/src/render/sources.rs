@@ -8,6 +8,7 @@ use glam::Vec3;
 use super::coarse::Coarse;
 use super::frame::Now;
 use super::spaces::Spaces;
+use super::unit;
 use crate::gpu::{Gpu, GpuError};
 use crate::scene::Sky;
 use crate::transport::materials::{PatchMaterials, of_patches};
@@ -20,58 +21,94 @@ const GAIN_FOR_COARSE: f32 = 4.0;
 pub struct Sources {
     transport: Arc<Transport>,
     unlimited_gain: bool,
-    held: Option<(PatchMaterials, Sky)>,
+    held: Option<Held>,
+    /// Of the unit of radiosity.
+    exponent: i32,
     gain: f32,
     /// A better one, being solved for on another thread.
     coming: Option<mpsc::Receiver<f32>>,
 }
 
+/// As it was followed last.
+#[derive(Default)]
+struct Held {
+    materials: PatchMaterials,
+    sky: Sky,
+    /// By sky patch; empty where the transport has none.
+    radiance: Vec<Vec3>,
+}
+
 /// What differs from the last frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Changed {
     pub albedo: bool,
     /// Of patches or sky.
     pub emission: bool,
+    /// Old unit of radiosity by new unit.
+    pub rescaled: Option<f32>,
 }
 
 impl Sources {
     pub fn new(transport: Arc<Transport>, unlimited_gain: bool) -> Self {
-        Self { transport, unlimited_gain, held: None, gain: 1.0, coming: None }
+        Self { transport, unlimited_gain, held: None, exponent: 0, gain: 1.0, coming: None }
     }
 
-    /// Follows materials and sky.
+    /// Follows materials and sky. `brightest`: of punctual lights, and of what still bounces [W/m2].
     pub fn update(
         &mut self,
         gpu: &Gpu,
         now: &Now<'_>,
         materials_changed: bool,
+        brightest: f32,
         spaces: &Spaces,
         coarse: &mut Coarse,
     ) -> Result<Changed, GpuError> {
-        let held = self.held.take();
-        let first = held.is_none();
-        let (mut materials, held_sky) = held.unwrap_or_default();
-        let mut changed = Changed { albedo: first, emission: first };
+        let first = self.held.is_none();
+        let mut held = self.held.take().unwrap_or_default();
+        let mut changed = Changed { albedo: first, emission: first, rescaled: None };
         if materials_changed || first {
             let new = self.materials(now);
-            changed.albedo |= new.albedo != materials.albedo;
-            changed.emission |= new.exitance != materials.exitance;
-            materials = new;
+            changed.albedo |= new.albedo != held.materials.albedo;
+            changed.emission |= new.exitance != held.materials.exitance;
+            held.materials = new;
         }
-        if changed.albedo {
-            spaces.set_albedo(gpu, &materials.albedo);
-            self.follow_albedo(gpu, &materials.albedo, coarse)?;
-        }
-        if changed.emission {
-            spaces.set_emission(gpu, &materials.exitance);
-        }
-        if self.transport.sky_patches > 0 && (first || held_sky != now.scene.sky) {
-            let radiance = sky::radiance_of_patches(&now.scene.sky, now.assets);
-            spaces.set_sky(gpu, &radiance[..radiance.len().min(self.transport.sky_patches as usize)]);
+        if self.transport.sky_patches > 0 && (first || held.sky != now.scene.sky) {
+            held.radiance = sky::radiance_of_patches(&now.scene.sky, now.assets);
+            held.radiance.truncate(self.transport.sky_patches as usize);
             changed.emission = true;
         }
-        self.held = Some((materials, now.scene.sky.clone()));
+        held.sky = now.scene.sky.clone();
+        if changed.albedo {
+            spaces.set_albedo(gpu, &held.materials.albedo);
+            self.follow_albedo(gpu, &held.materials.albedo, coarse)?;
+        }
+        let exponent = unit::exponent(self.exponent, brightest.max(held.brightest()));
+        if exponent != self.exponent {
+            // In steps that are no overflow themselves: what was stored is near 1.
+            let apart = (self.exponent - exponent).clamp(-120, 120);
+            changed.rescaled = Some((apart as f32).exp2());
+            self.exponent = exponent;
+        }
+        if changed.emission || changed.rescaled.is_some() {
+            spaces.set_emission(gpu, &held.materials.exitance, self.unit());
+            spaces.set_sky(gpu, &held.radiance, self.unit());
+        }
+        self.held = Some(held);
         Ok(changed)
+    }
+
+    /// W/m2 of one stored unit of radiosity.
+    pub fn unit(&self) -> f32 {
+        (self.exponent as f32).exp2()
+    }
+
+    /// Does a surface or the sky shine by itself?
+    pub fn shines(&self) -> bool {
+        self.held.as_ref().is_some_and(|held| held.brightest() > 0.0)
+    }
+
+    pub fn sky_shines(&self) -> bool {
+        self.held.as_ref().is_some_and(|held| largest(&held.radiance) > 0.0)
     }
 
     /// For every patch, with the albedo that closed rooms can bear.
@@ -121,6 +158,17 @@ impl Sources {
     pub fn known_gain(&self) -> f32 {
         self.gain
     }
+}
+
+impl Held {
+    /// Of what surfaces and sky give [W/m2].
+    fn brightest(&self) -> f32 {
+        largest(&self.materials.exitance).max(largest(&self.radiance) * std::f32::consts::PI)
+    }
+}
+
+fn largest(values: &[Vec3]) -> f32 {
+    values.iter().map(|value| value.max_element()).fold(0.0, f32::max)
 }
 
 /// max w <= 1 / (1 - max of rho_i times the sum of row i), as (I - RP) w = 1.

@@ -1,5 +1,6 @@
 //! The light on its spaces: one vector of four floats (rgb and nothing) a patch, receiver or probe coefficient.
-//! Columns are patches, then sky patches, which hold pi times their radiance.
+//! Columns are patches, then sky patches, which hold pi times their radiance. Columns are in units of 2^k W/m2
+//! ([`super::unit`]), receivers and probes in W/m2.
 
 use glam::{Vec3, Vec4};
 use wgpu::BufferUsages as Usage;
@@ -76,18 +77,37 @@ impl Spaces {
         })
     }
 
+    /// No light anywhere.
+    pub fn darken(&self, encoder: &mut wgpu::CommandEncoder) {
+        let columns = [&self.exitance, &self.radiosity, &self.next, &self.bounced];
+        for buffer in columns.into_iter().chain(&self.receivers).chain(&self.probes) {
+            encoder.clear_buffer(buffer, 0, None);
+        }
+    }
+
+    /// No light that bounced.
+    pub fn forget_bounced(&self, encoder: &mut wgpu::CommandEncoder) {
+        // Behind the patches lies the sky.
+        encoder.clear_buffer(&self.radiosity, 0, Some(u64::from(self.patch_count.max(1)) * 16));
+        for buffer in [&self.bounced, &self.receivers[1], &self.probes[1]] {
+            encoder.clear_buffer(buffer, 0, None);
+        }
+    }
+
     pub fn set_albedo(&self, gpu: &Gpu, albedo: &[Vec3]) {
         write(gpu, &self.albedo, 0, albedo);
     }
 
-    /// Emitted exitance M of each patch [W/m2].
-    pub fn set_emission(&self, gpu: &Gpu, exitance: &[Vec3]) {
-        write(gpu, &self.emitted, 0, exitance);
+    /// Emitted exitance M of each patch [W/m2], stored in the unit.
+    pub fn set_emission(&self, gpu: &Gpu, exitance: &[Vec3], unit: f32) {
+        let columns: Vec<Vec3> = exitance.iter().map(|exitance| *exitance / unit).collect();
+        write(gpu, &self.emitted, 0, &columns);
     }
 
-    /// Radiance of each sky patch [W/m2/sr].
-    pub fn set_sky(&self, gpu: &Gpu, radiance: &[Vec3]) {
-        let columns: Vec<Vec3> = radiance.iter().map(|radiance| *radiance * std::f32::consts::PI).collect();
+    /// Radiance of each sky patch [W/m2/sr], stored in the unit.
+    pub fn set_sky(&self, gpu: &Gpu, radiance: &[Vec3], unit: f32) {
+        let columns: Vec<Vec3> =
+            radiance.iter().map(|radiance| *radiance / unit * std::f32::consts::PI).collect();
         write(gpu, &self.emitted, u64::from(self.patch_count), &columns);
         write(gpu, &self.radiosity, u64::from(self.patch_count), &columns);
     }

@@ -8,6 +8,7 @@ use wgpu::{VertexAttribute, VertexBufferLayout, VertexStepMode, vertex_attr_arra
 use super::instances::{Draw, Instance, Instances, Pass};
 use super::materials::Materials;
 use super::meshes::{Meshes, StillBuffers};
+use super::objects::Objects;
 use super::reflections::Reflections;
 use super::shaders;
 use super::shadow_view::in_sight;
@@ -107,7 +108,7 @@ pub struct Surfaces {
     /// Made when first needed.
     pipelines: HashMap<Variant, wgpu::RenderPipeline>,
     /// Group 2, and what it binds.
-    light: Option<([u64; 3], wgpu::BindGroup)>,
+    light: Option<([u64; 4], wgpu::BindGroup)>,
     order: Vec<usize>,
 }
 
@@ -167,12 +168,13 @@ impl Surfaces {
     }
 
     /// Binds what surfaces read of light and reflections.
-    pub fn bind(&mut self, gpu: &Gpu, spaces: &Spaces, reflections: &Reflections) {
-        let generation = reflections.generation();
+    pub fn bind(&mut self, gpu: &Gpu, spaces: &Spaces, objects: &Objects, reflections: &Reflections) {
+        let [a, b, c] = reflections.generation();
+        let generation = [a, b, c, objects.generation()];
         if self.light.as_ref().is_some_and(|(bound, _)| *bound == generation) {
             return;
         }
-        let light = spaces.receivers.iter().chain(&spaces.probes).map(wgpu::Buffer::as_entire_binding);
+        let light = spaces.receivers.iter().chain(objects.light()).map(wgpu::Buffer::as_entire_binding);
         let resources: Vec<_> = light.chain(reflections.resources()).collect();
         self.light = Some((generation, pass::group(gpu, "light", &self.light_layout, &resources)));
     }

@@ -22,10 +22,14 @@ pub enum View {
     Patches,
     /// Patches by size.
     Density,
+    /// Light probes as spheres in their own light.
+    Probes,
+    /// The tetrahedra between light probes.
+    Tetrahedra,
 }
 
 impl View {
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::Composite,
         Self::Direct,
         Self::Indirect,
@@ -34,6 +38,8 @@ impl View {
         Self::Normal,
         Self::Patches,
         Self::Density,
+        Self::Probes,
+        Self::Tetrahedra,
     ];
 
     pub fn name(self) -> &'static str {
@@ -46,6 +52,8 @@ impl View {
             Self::Normal => "normal",
             Self::Patches => "patches",
             Self::Density => "density",
+            Self::Probes => "probes",
+            Self::Tetrahedra => "tetrahedra",
         }
     }
 
@@ -61,7 +69,13 @@ impl View {
 
     /// Shows light, which is exposed and goes through the tone curve; others show what they show.
     pub fn shows_light(self) -> bool {
-        matches!(self, Self::Composite | Self::Direct | Self::Indirect | Self::Reflection)
+        self.shows_probes()
+            || matches!(self, Self::Composite | Self::Direct | Self::Indirect | Self::Reflection)
+    }
+
+    /// Shows light probes over the scene, whether anything moves or not.
+    pub fn shows_probes(self) -> bool {
+        matches!(self, Self::Probes | Self::Tetrahedra)
     }
 
     /// Shows patches instead of surfaces.

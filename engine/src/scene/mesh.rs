@@ -21,13 +21,15 @@ pub struct Mesh {
     pub positions: Vec<Vec3>,
     /// Unit length. Where a file has none, each triangle is flat and has vertices of its own.
     pub normals: Vec<Vec3>,
-    /// xyz and the bitangent's sign, where the file has them.
+    /// xyz and the bitangent's sign: the file's, or MikkTSpace's where a normal map needs them. 0 where neither is.
     pub tangents: Option<Vec<Vec4>>,
     pub uvs: [Option<Vec<Vec2>>; 2],
     /// Linear RGBA.
     pub colors: Option<Vec<Vec4>>,
     pub indices: Vec<u32>,
     pub primitives: Vec<Primitive>,
+    /// The last vertices are copies of these, with tangents of their own.
+    pub copies: Vec<u32>,
 }
 
 /// A run of triangles that share a material: indices `first .. first + count`.
@@ -40,6 +42,15 @@ pub struct Primitive {
 impl Mesh {
     pub fn triangles(&self) -> impl ExactSizeIterator<Item = [u32; 3]> + '_ {
         self.indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]])
+    }
+
+    /// The vertex of the file that a vertex was made of: what is painted is painted there.
+    pub fn original(&self, vertex: usize) -> usize {
+        let first_copy = self.positions.len().saturating_sub(self.copies.len());
+        vertex
+            .checked_sub(first_copy)
+            .and_then(|copy| self.copies.get(copy))
+            .map_or(vertex, |&of| of as usize)
     }
 
     pub fn uv(&self, set: u8, vertex: usize) -> Vec2 {

@@ -120,6 +120,26 @@ impl Bvh {
         best
     }
 
+    /// Nodes of 80 bytes (`Node` in `transport/rays.wgsl`); none where there are no triangles.
+    pub fn nodes(&self) -> &[[u32; 20]] {
+        bytemuck::cast_slice(&self.tree.nodes)
+    }
+
+    /// The triangles in the order in which the nodes name them.
+    pub fn order(&self) -> &[u32] {
+        &self.triangle_of
+    }
+
+    /// From the callers' space to that of the nodes, a power of two.
+    pub fn scale(&self) -> f32 {
+        self.scale
+    }
+
+    /// How far from its surface a ray starts, in the callers' space.
+    pub fn offset(&self) -> f32 {
+        self.offset / self.scale
+    }
+
     /// Metres from the (moved) origin to a hit.
     pub fn distance(&self, hit: &Hit) -> f32 {
         hit.t / self.scale

@@ -12,10 +12,13 @@ use std::path::{Path, PathBuf};
 use bytemuck::Pod;
 use serde::{Deserialize, Serialize};
 
-use super::{Certificate, Rows, Surface, Transport};
+use super::{Certificate, Depths, Rows, Surface, Transport};
 
 const MAGIC: &[u8; 8] = b"HOHLRAUM";
 pub const VERSION: u32 = 1;
+/// Only where some probe does not see a neighbour; files of before they were known have none.
+const DEPTH_PROBES: &str = "probe_depths.probes";
+const DEPTHS: &str = "probe_depths";
 
 /// Where a scene's light file is.
 pub fn path(project: &Path, scene: &str) -> PathBuf {
@@ -59,6 +62,10 @@ pub fn arrays(transport: &Transport) -> Vec<(&'static str, Cow<'_, [u8]>)> {
         arrays.push((starts, plain(&rows.starts)));
         arrays.push((columns, plain(&rows.columns)));
         arrays.push((weights, plain(&rows.weights)));
+    }
+    if !transport.depths.probes.is_empty() {
+        arrays.push((DEPTH_PROBES, plain(&transport.depths.probes)));
+        arrays.push((DEPTHS, plain(&transport.depths.nearness)));
     }
     arrays
 }
@@ -209,6 +216,10 @@ fn parse(bytes: &[u8]) -> Result<Transport, String> {
         samples: sections.read("samples")?,
         receivers: sections.read("receivers")?,
         probes: sections.read("probes")?,
+        depths: Depths {
+            probes: sections.read_where_there(DEPTH_PROBES)?,
+            nearness: sections.read_where_there(DEPTHS)?,
+        },
         sky_patches: *sky.first().ok_or("has no sky")?,
         patch_from_patch: sections.rows("patch")?,
         receiver_from_patch: sections.rows("receiver")?,
@@ -237,6 +248,11 @@ impl Sections<'_> {
             return Err(format!("section `{name}` has {} bytes", bytes.len()));
         }
         Ok(bytemuck::pod_collect_to_vec(bytes))
+    }
+
+    fn read_where_there<T: Pod>(&self, name: &str) -> Result<Vec<T>, String> {
+        let is_there = self.sections.iter().any(|section| section.name == name);
+        if is_there { self.read(name) } else { Ok(Vec::new()) }
     }
 
     fn rows(&self, name: &str) -> Result<Rows, String> {

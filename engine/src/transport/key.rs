@@ -23,7 +23,7 @@ pub struct BakeWith {
     pub length: f64,
 }
 
-/// Counts up whenever the same input bakes to other bytes.
+/// Counts up whenever the same input bakes to other bytes. 3: probes beside walls keep how far they see.
 const METHOD: u32 = 3;
 
 /// One thing that a bake was made of.
@@ -108,6 +108,8 @@ impl Contents<'_> {
         for material in renderer.materials.iter().filter_map(|&id| scene.material(id)) {
             let sides = (material.id, material.double_sided, material.emission.sampled, material.alpha);
             taken += &format!("{sides:?}");
+            // Vertices are made of them.
+            taken += &format!("{:?}", material.normal_texture.as_ref().map(|map| map.uv_set));
             if material.alpha == Alpha::Opaque {
                 continue;
             }

@@ -20,24 +20,30 @@
 
 pub mod bvh;
 pub mod certificate;
+pub mod depths;
+pub mod dering;
 pub mod direct;
 pub mod file;
 pub mod key;
 pub mod materials;
 pub mod occluders;
+pub mod probe_field;
 pub mod reflection;
 pub mod rows;
 pub mod sh;
 pub mod sky;
+pub mod solid_angle;
 pub mod solve;
 pub mod stale;
 pub mod surface;
+pub mod tetrahedra;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 
 use crate::scene::EntityId;
 pub use certificate::Certificate;
+pub use depths::Depths;
 pub use occluders::Occluders;
 pub use rows::Rows;
 pub use surface::{Batch, Surface, Vertex};
@@ -59,6 +65,8 @@ pub struct Transport {
     pub samples: Vec<Sample>,
     pub receivers: Vec<Receiver>,
     pub probes: Vec<Probe>,
+    /// How far probes beside walls see; empty where every probe sees its neighbours.
+    pub depths: Depths,
     /// How many sky patches follow the patches in the columns of every kind of row; 0 without a sky.
     pub sky_patches: u32,
     /// Columns: patches, then sky patches. Sums to 1 less what is lost.
@@ -180,6 +188,7 @@ impl Transport {
         {
             return Err("a sample names a patch that does not exist".to_owned());
         }
+        self.depths.validate(self.probes.len())?;
         let rows = [
             ("patch", &self.patch_from_patch, patches, true),
             ("receiver", &self.receiver_from_patch, self.receivers.len(), true),

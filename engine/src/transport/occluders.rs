@@ -41,6 +41,11 @@ impl Occluders {
         Self { bvh: Bvh::new(&corners, Vec::new()) }
     }
 
+    /// The tree over `surface.triangles`.
+    pub fn bvh(&self) -> &Bvh {
+        &self.bvh
+    }
+
     /// The nearest surface in a direction of any length but 0. A ray that starts on a surface meets that surface
     /// or not, as rounding has it: start off it.
     pub fn nearest(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {

@@ -311,7 +311,7 @@ impl Reflections {
     pub fn receive(&mut self) {
         for (probe, seen) in self.settling.settled() {
             if let Some(probe) = self.probes.get_mut(probe) {
-                probe.schedule.settle(seen);
+                probe.schedule.settle(probe.settings.refresh, seen);
             }
         }
     }

@@ -61,8 +61,9 @@ impl Schedule {
     }
 
     /// The last captures do not differ, and nothing has changed since: reflections of reflections are settled.
-    pub fn settle(&mut self, seen: Seen) {
-        if self.seen.is_some_and(|now| now.still == seen.still) && !self.on_top {
+    pub fn settle(&mut self, refresh: Refresh, seen: Seen) {
+        let same = refresh == Refresh::Baked || self.seen.is_some_and(|now| now.still == seen.still);
+        if same && !self.on_top {
             self.rounds = 0;
         }
     }
@@ -151,7 +152,7 @@ mod tests {
     /// As light that settles with the second capture.
     fn took(schedule: &mut Schedule, due: &Due, seen: Seen) {
         if schedule.took(due) && schedule.rounds == MOST_ROUNDS - 2 {
-            schedule.settle(seen);
+            schedule.settle(Refresh::OnChange, seen);
         }
     }
 

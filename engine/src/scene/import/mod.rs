@@ -10,6 +10,7 @@ mod mtl;
 mod obj;
 mod path;
 mod polygon;
+mod tangents;
 mod triangles;
 
 use std::collections::{BTreeMap, BTreeSet, HashSet};
@@ -76,8 +77,12 @@ pub fn load_assets(project: &Path, scene: &Scene) -> Result<(Assets, Vec<Warning
     let read: Vec<_> =
         meshes.par_iter().map(|(source, user)| (*source, *user, mesh(&models, source))).collect();
     for (source, user, mesh) in read {
-        let (mesh, said) = mesh.map_err(|message| SceneError::Entity { entity: user.to_owned(), message })?;
+        let (mut mesh, said) =
+            mesh.map_err(|message| SceneError::Entity { entity: user.to_owned(), message })?;
         warnings.extend(said);
+        for (primitive, uv_set) in tangents::wanted(scene, source, mesh.primitives.len()) {
+            tangents::complete(&mut mesh, primitive, uv_set);
+        }
         assets.meshes.insert(source.clone(), Arc::new(mesh));
     }
     let read: Vec<_> = images.par_iter().map(|source| (*source, picture(project, &models, source))).collect();

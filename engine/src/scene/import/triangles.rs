@@ -150,7 +150,7 @@ fn append(mesh: &mut Mesh, part: Part) {
     mesh.indices.extend(part.indices.iter().map(|index| index + base as u32));
     mesh.positions.extend(part.positions);
     mesh.normals.extend(part.normals.unwrap_or_default());
-    append_optional(&mut mesh.tangents, part.tangents, base, added, Vec4::new(1.0, 0.0, 0.0, 1.0));
+    append_optional(&mut mesh.tangents, part.tangents, base, added, Vec4::ZERO);
     append_optional(&mut mesh.colors, part.colors, base, added, Vec4::ONE);
     let uvs = mesh.uvs.iter_mut().zip(part.uvs);
     uvs.for_each(|(to, from)| append_optional(to, from, base, added, Vec2::ZERO));

@@ -1,0 +1,128 @@
+//! Coloured lines, one pixel wide, over what was drawn before; behind surfaces they are faint.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{Vec3, Vec4};
+use wgpu::vertex_attr_array;
+
+use super::{shaders, surface, targets};
+use crate::gpu::buffer::Held;
+use crate::gpu::shader::Library;
+use crate::gpu::{Gpu, GpuError, pass};
+
+/// From point to point, relative to the transport's origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Line {
+    pub ends: [Vec3; 2],
+    /// Linear RGB as it is to be displayed, and opacity.
+    pub color: Vec4,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+struct End {
+    position: Vec3,
+    color: [f32; 4],
+}
+
+const END: [wgpu::VertexAttribute; 2] = vertex_attr_array![0 => Float32x3, 1 => Float32x4];
+
+pub struct Lines {
+    module: wgpu::ShaderModule,
+    layout: wgpu::PipelineLayout,
+    ends: Held<End>,
+    /// Made when first needed: samples, then behind and in front.
+    pipelines: Option<(u32, [wgpu::RenderPipeline; 2])>,
+}
+
+impl Lines {
+    pub fn new(
+        gpu: &Gpu,
+        library: &mut Library,
+        frame_layout: &wgpu::BindGroupLayout,
+    ) -> Result<Self, GpuError> {
+        Ok(Self {
+            module: library.module(gpu, shaders::LINES)?,
+            layout: pass::pipeline_layout(gpu, &[Some(frame_layout)]),
+            ends: Held::new(gpu, "lines", wgpu::BufferUsages::VERTEX),
+            pipelines: None,
+        })
+    }
+
+    /// What is drawn from now on.
+    pub fn set(&mut self, gpu: &Gpu, lines: &[Line]) {
+        let end = |line: &Line| line.ends.map(|position| End { position, color: line.color.to_array() });
+        let ends: Vec<End> = lines.iter().flat_map(end).collect();
+        self.ends.write(gpu, &ends);
+    }
+
+    /// Returns the draws.
+    pub fn draw(
+        &mut self,
+        gpu: &Gpu,
+        pass: &mut wgpu::RenderPass<'_>,
+        frame: &wgpu::BindGroup,
+        samples: u32,
+    ) -> u32 {
+        let count = self.ends.items().len() as u32;
+        if count == 0 {
+            return 0;
+        }
+        if self.pipelines.as_ref().is_none_or(|(made_for, _)| *made_for != samples) {
+            use wgpu::CompareFunction::{GreaterEqual, Less};
+            let make = |entry, compare| pipeline(gpu, &self.module, &self.layout, entry, compare, samples);
+            self.pipelines = Some((samples, [make("behind", Less), make("in_front", GreaterEqual)]));
+        }
+        let Some((_, pipelines)) = &self.pipelines else { return 0 };
+        pass.set_bind_group(0, frame, &[]);
+        pass.set_vertex_buffer(0, self.ends.buffer().slice(..));
+        for pipeline in pipelines {
+            pass.set_pipeline(pipeline);
+            pass.draw(0..count, 0..1);
+        }
+        2
+    }
+}
+
+/// Depth is reversed: what is less is behind.
+fn pipeline(
+    gpu: &Gpu,
+    module: &wgpu::ShaderModule,
+    layout: &wgpu::PipelineLayout,
+    entry: &str,
+    compare: wgpu::CompareFunction,
+    samples: u32,
+) -> wgpu::RenderPipeline {
+    let ends = wgpu::VertexBufferLayout {
+        array_stride: size_of::<End>() as u64,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &END,
+    };
+    gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("lines"),
+        layout: Some(layout),
+        vertex: wgpu::VertexState {
+            module,
+            entry_point: Some("end"),
+            compilation_options: Default::default(),
+            buffers: &[Some(ends)],
+        },
+        primitive: wgpu::PrimitiveState { topology: wgpu::PrimitiveTopology::LineList, ..Default::default() },
+        depth_stencil: Some(wgpu::DepthStencilState {
+            depth_compare: Some(compare),
+            ..surface::depth_state(false)
+        }),
+        multisample: wgpu::MultisampleState { count: samples, ..Default::default() },
+        fragment: Some(wgpu::FragmentState {
+            module,
+            entry_point: Some(entry),
+            compilation_options: Default::default(),
+            targets: &[Some(wgpu::ColorTargetState {
+                format: targets::RADIANCE,
+                blend: Some(wgpu::BlendState::ALPHA_BLENDING),
+                write_mask: wgpu::ColorWrites::ALL,
+            })],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}

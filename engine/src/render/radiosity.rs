@@ -1,0 +1,62 @@
+//! Light on its way in a frame: onto patches, from patch to patch, to receivers and probes. What did not change is not
+//! done again; once the light is solved, nothing is done at all.
+
+use super::frame::{Drawn, Renderer};
+use super::gather::Source;
+use super::sources::Changed;
+use super::view::View;
+
+impl Renderer {
+    /// Direct light, bounce and gather: what of them is needed.
+    pub(super) fn light(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        lit: bool,
+        emitted: Changed,
+        dark: bool,
+        view: View,
+    ) -> Drawn {
+        let (timer, mut dispatches) = (&mut self.timer, 0);
+        if dark {
+            // The solution is 0. What moves finds it in every probe.
+            if self.steering.put_out() {
+                self.spaces.darken(encoder);
+                dispatches += self.objects.run(encoder, timer, true);
+            }
+            self.probes_current = true;
+            return Drawn { transport_dispatches: dispatches, ..Drawn::default() };
+        }
+        if let Some(factor) = emitted.rescaled {
+            dispatches += self.rescale.run(&self.gpu, encoder, factor);
+        }
+        if lit || emitted.albedo || emitted.emission || emitted.rescaled.is_some() {
+            self.steering.change();
+            dispatches += self.direct.run(encoder, timer, &self.frame_group, self.shadows.scene_group());
+        }
+        if !self.sources.sky_shines() && self.steering.has_faded() {
+            self.steering.put_out();
+            self.spaces.forget_bounced(encoder);
+        }
+        let gain = self.sources.cavity_gain(self.settings.wait);
+        let products = self.steering.products(gain);
+        let tag = (self.steering.version(), self.sources.unit());
+        dispatches += self.bounce.run(encoder, timer, &self.coarse, products, tag);
+        let probes_read = self.instances.any_moving() || view.shows_probes();
+        let probes_late = probes_read && !self.probes_current;
+        let emission = emitted.emission || emitted.rescaled.is_some();
+        let mut probes_changed = false;
+        for (source, is_new) in [(Source::Emitted, emission), (Source::Bounced, products > 0)] {
+            if is_new || probes_late {
+                dispatches += self.gather.run(encoder, timer, &self.frame_group, source, probes_read);
+            }
+            if probes_read && (is_new || probes_late) {
+                dispatches += self.dering.run(encoder, timer, source);
+                probes_changed = true;
+            }
+        }
+        dispatches += self.objects.run(encoder, timer, probes_changed);
+        // What moves no longer may come back after the light has changed.
+        self.probes_current = probes_read;
+        Drawn { transport_dispatches: dispatches, products, ..Drawn::default() }
+    }
+}

@@ -1,0 +1,96 @@
+//! The unit of radiosity on the GPU: 2^k W/m2, so that neither starlight nor a furnace leaves what floats can hold.
+//!
+//! k follows the brightest that shines or still bounces, and only where that is 2^24 times larger or smaller than the
+//! unit: most scenes keep 1 W/m2. Powers of two change no digit, so that light scaled by one gives the same light
+//! scaled. Receivers and probes are in W/m2 again: what is read there is gathered anew in every frame.
+
+use bytemuck::{Pod, Zeroable};
+
+use super::shaders;
+use super::spaces::Spaces;
+use crate::gpu::buffer;
+use crate::gpu::pass::{self, Binding};
+use crate::gpu::shader::Library;
+use crate::gpu::{Gpu, GpuError};
+
+/// Powers of two between the unit and the brightest at which the unit changes.
+const ROOM: f32 = 24.0;
+/// Farther units could not be divided by.
+const MOST: f32 = 120.0;
+
+/// `Rescale` in `transport/unit.wgsl`.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct RescaleUniform {
+    pub columns: u32,
+    pub factor: f32,
+    pub padding: [u32; 2],
+}
+
+/// The exponent for a brightest light [W/m2], given the one at hand.
+pub fn exponent(now: i32, brightest: f32) -> i32 {
+    if !(brightest > 0.0 && brightest.is_finite()) {
+        return now;
+    }
+    let level = brightest.log2().clamp(-MOST, MOST);
+    if (level - now as f32).abs() <= ROOM { now } else { level.round() as i32 }
+}
+
+/// Multiplies what is stored.
+pub struct Rescale {
+    pipeline: wgpu::ComputePipeline,
+    light: wgpu::BindGroup,
+    own: wgpu::BindGroup,
+    uniform: wgpu::Buffer,
+    columns: u32,
+}
+
+impl Rescale {
+    pub fn new(gpu: &Gpu, library: &mut Library, spaces: &Spaces) -> Result<Self, GpuError> {
+        let compute = wgpu::ShaderStages::COMPUTE;
+        let module = library.module(gpu, shaders::UNIT)?;
+        let light = pass::layout(gpu, "unit", compute, &[Binding::Write]);
+        let own = pass::layout(gpu, "unit", compute, &[Binding::Uniform]);
+        let uniform = buffer::empty(gpu, "unit", 16, wgpu::BufferUsages::UNIFORM);
+        Ok(Self {
+            pipeline: pass::compute(gpu, &module, "rescale", &[None, None, Some(&light), Some(&own)]),
+            light: pass::buffers(gpu, "unit", &light, &[&spaces.radiosity]),
+            own: pass::buffers(gpu, "unit", &own, &[&uniform]),
+            uniform,
+            columns: spaces.patch_count,
+        })
+    }
+
+    /// Returns the dispatches.
+    pub fn run(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, factor: f32) -> u32 {
+        if self.columns == 0 {
+            return 0;
+        }
+        let uniform = RescaleUniform { columns: self.columns, factor, padding: [0; 2] };
+        gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(2, &self.light, &[]);
+        pass.set_bind_group(3, &self.own, &[]);
+        pass::dispatch(&mut pass, self.columns);
+        1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_unit_follows_the_brightest_with_room_on_both_sides() {
+        assert_eq!(exponent(0, 1e7), 0);
+        assert_eq!(exponent(0, 1e-7), 0);
+        assert_eq!(exponent(0, 0.0), 0);
+        assert_eq!(exponent(3, f32::NAN), 3);
+        let large = exponent(0, 2.0_f32.powi(60));
+        assert_eq!(large, 60);
+        assert_eq!(exponent(large, 2.0_f32.powi(40)), 60);
+        assert_eq!(exponent(large, 1.0), 0);
+        assert_eq!(exponent(0, 1e-40), -120);
+    }
+}

@@ -1,0 +1,66 @@
+//! Reflection probes as the player has them: baked ones on disk, and ones that stand inside a solid.
+
+mod program;
+
+use std::path::Path;
+
+use engine::scene::{Entity, ReflectionProbe, Refresh, Scene, Transform};
+use glam::{DVec3, Vec3};
+use program::*;
+
+/// The floor mirrors, and a probe that is baked stands over it.
+fn mirroring(at: DVec3) -> Scene {
+    let mut scene = scene();
+    scene.materials[0].roughness = 0.1;
+    scene.entities[2].motion = None;
+    let half_size = Vec3::splat(3.0);
+    let probe = ReflectionProbe { refresh: Refresh::Baked, resolution: 16, half_size, ..Default::default() };
+    scene.entities.push(Entity {
+        reflection_probe: Some(probe),
+        transform: Transform::at(at),
+        ..entity(7, "mirror ball")
+    });
+    scene
+}
+
+fn captures(project: &Path) -> u64 {
+    let stats = statistics(project, &["--frames", "12", "--size", "48x32", "--fixed-dt", "0.1"]);
+    stats["captures"].as_array().unwrap().iter().map(|faces| faces.as_u64().unwrap()).sum()
+}
+
+#[test]
+fn a_baked_probe_is_captured_once_and_kept_on_disk() {
+    if !can_draw() {
+        return;
+    }
+    let mut scene = mirroring(DVec3::Y * 1.5);
+    let folder = project(&scene, Some(&floor()));
+    let file = folder.path().join("baked/main/reflections/7.exr");
+    assert!(captures(folder.path()) > 0, "nothing is kept yet");
+    let kept = std::fs::read(&file).expect("the cubemap");
+    assert_eq!(captures(folder.path()), 0, "it is read from disk");
+    assert_eq!(std::fs::read(&file).unwrap(), kept);
+    // A broken one, and one of another scene, are taken anew.
+    std::fs::write(&file, &kept[..kept.len() / 2]).unwrap();
+    assert!(captures(folder.path()) > 0);
+    assert_eq!(std::fs::read(&file).unwrap(), kept);
+    scene.materials[0].albedo.color = Vec3::new(0.9, 0.1, 0.1);
+    engine::scene::file::save_scene(folder.path(), "main", &scene).unwrap();
+    assert!(captures(folder.path()) > 0);
+    assert_ne!(std::fs::read(&file).unwrap(), kept);
+}
+
+#[test]
+fn a_probe_inside_a_solid_is_named_and_shows_nothing() {
+    if !can_draw() {
+        return;
+    }
+    // A probe that looks at the floor from below sees backs.
+    let below = project(&mirroring(DVec3::new(0.0, -0.01, 0.0)), Some(&floor()));
+    let said = plays(below.path(), &["--frames", "2", "--size", "16x16"]);
+    let named = said.contains("reflection probe `mirror ball` shows nothing") && said.contains("move it");
+    assert!(named, "{said}");
+    let above = project(&mirroring(DVec3::Y), Some(&floor()));
+    let said = plays(above.path(), &["--frames", "2", "--size", "16x16"]);
+    assert!(!said.contains("mirror ball"), "{said}");
+}
