@@ -81,7 +81,7 @@ fn load(path: &Path, key: &str) -> Option<Cube> {
         .first_valid_layer();
     let image = image.all_attributes().from_file(path).ok()?;
     let found = image.layer_data.attributes.other.get(&Text::from(KEY))?;
-    let matches = matches!(found, AttributeValue::Text(text) if text.to_string() == key);
+    let matches = matches!(found, AttributeValue::Text(text) if text == key);
     let (size, texels) = image.layer_data.channel_data.pixels;
     let is_cube = size.height() == 6 * size.width() && size.width().is_power_of_two();
     let finite = texels.iter().all(|texel| texel.is_finite());
