@@ -4,7 +4,7 @@
 #import hohlraum::frame::{frame, to_eye, COMPOSITE, DIRECT, INDIRECT, ALBEDO}
 #import hohlraum::scene::mesh::{Still, Moving, moved, moved_normal, moved_tangent}
 #import hohlraum::scene::material::{material, base_color, metal, emission_at, bump, is, mapped, MASK, BLEND, UNLIT}
-#import hohlraum::scene::light::{lights, arrival, visible}
+#import hohlraum::scene::light::{lights_at, light_of, arrival, visible_in_view}
 #import hohlraum::transport::sh
 
 /// Irradiance at receivers [W/m2]: seen unblocked from emitters and sky, and all that bounced.
@@ -150,13 +150,14 @@ fn lit(here: Surfel) -> vec3f {
     let to_viewer = to_eye(here.position);
     let diffuse = here.albedo * ((1.0 - here.metallic) / PI);
     var sum = vec3f(0.0);
-    for (var l = 0u; l < frame.lights; l++) {
-        let light = lights[l];
+    let list = lights_at(here.position);
+    for (var k = 0u; k < list.count; k++) {
+        let light = light_of(list, k);
         let light_here = arrival(light, here.position, 0.01);
         let cosine = dot(here.normal, light_here.towards);
         if cosine > 0.0 && dot(here.smooth_normal, light_here.towards) > 0.0
             && any(light_here.irradiance > vec3f(0.0)) {
-            let share = visible(light, here.position, here.smooth_normal, light_here.towards);
+            let share = visible_in_view(light, here.position, here.smooth_normal, light_here.towards);
             let reflected = diffuse + specular(here, to_viewer, light_here.towards, cosine);
             sum += light_here.irradiance * reflected * (cosine * share);
         }

@@ -1,7 +1,6 @@
 // What leaves patches before any bounce: E_i = M_i + rho_i * H_i, H_i the mean over the patch's points of the
 // irradiance from punctual lights [W/m2]. One thread a patch.
-#import hohlraum::frame::frame
-#import hohlraum::scene::light::{lights, arrival, visible}
+#import hohlraum::scene::light::{lights_at, light_of, arrival, visible}
 #import hohlraum::transport::patch::{Patch, Sample}
 
 @group(2) @binding(0) var<storage, read> patches: array<Patch>;
@@ -29,8 +28,9 @@ fn direct(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) gro
 
 fn irradiance(at: Sample, least: f32) -> vec3f {
     var sum = vec3f(0.0);
-    for (var l = 0u; l < frame.lights; l++) {
-        let light = lights[l];
+    let list = lights_at(at.position);
+    for (var k = 0u; k < list.count; k++) {
+        let light = light_of(list, k);
         let light_here = arrival(light, at.position, least);
         let cosine = dot(at.normal, light_here.towards);
         if cosine > 0.0 && any(light_here.irradiance > vec3f(0.0)) {

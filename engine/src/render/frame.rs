@@ -21,7 +21,8 @@ use super::meshes::{Meshes, StillBuffers};
 use super::patches::Patches;
 use super::pictures::Pictures;
 use super::rows::{self, PagedRows, Summed};
-use super::shadow::{Casters, Shadows};
+use super::casters::Casters;
+use super::shadow::{Camera, Shadows};
 use super::sky::SkyPass;
 use super::sources::Sources;
 use super::spaces::Spaces;
@@ -58,6 +59,8 @@ pub struct Settings {
     pub summed: Option<Summed>,
     /// Waits for what a frame measures before the next one, so that pictures repeat.
     pub wait: bool,
+    /// All lights in one list, for comparison with the grid.
+    pub no_light_grid: bool,
     /// Albedo as authored, however long light bounces in a closed room.
     pub unlimited_gain: bool,
 }
@@ -86,8 +89,11 @@ pub struct FrameUniform {
     pub right: Vec3,
     pub exposure: f32,
     pub up: Vec3,
-    pub lights: u32,
     pub view: u32,
+    /// Depths at which the cascades end; all 0: suns have their scene's map alone.
+    pub cascade_ends: Vec4,
+    pub cascade_texels: Vec4,
+    pub eye_depth: f32,
     pub encode: u32,
     pub padding: [u32; 2],
 }
@@ -215,7 +221,11 @@ impl Renderer {
             meshes: &self.meshes,
             materials: &self.materials,
         };
-        let shadowed = self.shadows.update(gpu, &mut encoder, &mut self.timer, &lights, &casters);
+        let aspect = display.width() as f32 / display.height().max(1) as f32;
+        let camera = Camera { eye: &now.eye, origin: self.transport.origin, aspect };
+        let in_grid = !self.settings.no_light_grid;
+        let shadowed =
+            self.shadows.update(gpu, &mut encoder, &mut self.timer, &lights, &casters, &camera, in_grid);
         self.write_frame(gpu, now, display);
 
         // Light on patches, then from patch to patch, then to receivers and probes.
@@ -304,6 +314,7 @@ impl Renderer {
         let aspect = display.width() as f32 / display.height().max(1) as f32;
         let origin = self.transport.origin;
         let (eye, [forward, right, up]) = now.eye.rays(origin, aspect);
+        let (slices, cascade_texels) = self.shadows.cascades();
         let uniform = FrameUniform {
             clip_from_world: now.eye.clip_from_world(origin, aspect),
             eye,
@@ -312,8 +323,10 @@ impl Renderer {
             right,
             exposure: now.eye.exposure.exp2(),
             up,
-            lights: self.shadows.light_count(),
             view: now.view as u32,
+            cascade_ends: slices.ends,
+            cascade_texels,
+            eye_depth: slices.eye,
             encode: u32::from(!display.format().is_srgb()),
             padding: [0; 2],
         };

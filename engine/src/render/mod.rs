@@ -7,11 +7,14 @@
 
 mod account;
 pub mod bounce;
+pub mod cascades;
+pub mod casters;
 pub mod coarse;
 pub mod direct;
 pub mod frame;
 pub mod gather;
 pub mod instances;
+pub mod light_grid;
 pub mod lights;
 pub mod materials;
 pub mod meshes;
@@ -20,6 +23,7 @@ pub mod pictures;
 pub mod rows;
 pub mod shaders;
 pub mod shadow;
+pub mod shadow_maps;
 mod shadow_view;
 pub mod sky;
 pub mod sources;
