@@ -3,7 +3,7 @@
 // digit; GGX (Walter et al. 2007, height-correlated Smith by Heitz 2014) with Schlick's Fresnel on top.
 #import hohlraum::frame::{frame, to_eye, COMPOSITE, DIRECT, INDIRECT, ALBEDO}
 #import hohlraum::scene::mesh::{Still, Moving, moved, moved_normal, moved_tangent}
-#import hohlraum::scene::material::{material, base_color, metal, emission_at, bump, is, mapped, MASK, BLEND, UNLIT}
+#import hohlraum::scene::material::{material, base_color, metal, emission_at, bump, is, mapped, MASK, BLEND, UNLIT, DOUBLE_SIDED}
 #import hohlraum::scene::light::{lights_at, light_of, arrival, visible_in_view}
 #import hohlraum::transport::sh
 
@@ -157,7 +157,9 @@ fn lit(here: Surfel) -> vec3f {
         let cosine = dot(here.normal, light_here.towards);
         if cosine > 0.0 && dot(here.smooth_normal, light_here.towards) > 0.0
             && any(light_here.irradiance > vec3f(0.0)) {
-            let share = visible_in_view(light, here.position, here.smooth_normal, light_here.towards);
+            let share = visible_in_view(
+                light, here.position, here.smooth_normal, light_here.towards, is(DOUBLE_SIDED),
+            );
             let reflected = diffuse + specular(here, to_viewer, light_here.towards, cosine);
             sum += light_here.irradiance * reflected * (cosine * share);
         }

@@ -90,8 +90,9 @@ fn arrival(light: Light, position: vec3f, least: f32) -> Arrival {
     return Arrival(towards, light.power * (share * cone * cone));
 }
 
-/// Share of the light that reaches a point, by its shadow map; a sun's is that of the whole scene.
-fn visible(light: Light, position: vec3f, normal: vec3f, towards: vec3f) -> f32 {
+/// Share of the light that reaches a point, by its shadow map; a sun's is that of the whole scene. `both`: its surface
+/// is lit from both sides.
+fn visible(light: Light, position: vec3f, normal: vec3f, towards: vec3f, both: bool) -> f32 {
     if light.layer < 0 {
         return 1.0;
     }
@@ -102,16 +103,16 @@ fn visible(light: Light, position: vec3f, normal: vec3f, towards: vec3f) -> f32 
     } else if light.kind == SPOT {
         width *= max(dot(position - light.position, light.direction), 0.0);
     }
-    return looked_up(light, 0u, width, position, normal, towards);
+    return looked_up(light, 0u, width, position, normal, towards, both);
 }
 
 /// The same for a point that this frame's eye sees: a sun's cascade, which passes over into the next, the last one
 /// into the map of the whole scene.
-fn visible_in_view(light: Light, position: vec3f, normal: vec3f, towards: vec3f) -> f32 {
+fn visible_in_view(light: Light, position: vec3f, normal: vec3f, towards: vec3f, both: bool) -> f32 {
     let depth = dot(frame.forward, position) - frame.eye_depth;
     let last = frame.cascade_ends.w;
     if light.kind != SUN || light.layer < 0 || last <= 0.0 || depth >= last {
-        return visible(light, position, normal, towards);
+        return visible(light, position, normal, towards, both);
     }
     var slice = 0u;
     var begin = 0.0;
@@ -120,16 +121,17 @@ fn visible_in_view(light: Light, position: vec3f, normal: vec3f, towards: vec3f)
         slice += 1u;
     }
     let end = frame.cascade_ends[slice];
-    let share = looked_up(light, slice + 1u, frame.cascade_texels[slice], position, normal, towards);
+    let width = frame.cascade_texels[slice];
+    let share = looked_up(light, slice + 1u, width, position, normal, towards, both);
     let over = saturate(1.0 - (end - depth) / (BLEND * (end - begin)));
     if over <= 0.0 {
         return share;
     }
     if slice == 3u {
-        return mix(share, visible(light, position, normal, towards), over);
+        return mix(share, visible(light, position, normal, towards, both), over);
     }
     let next = frame.cascade_texels[slice + 1u];
-    return mix(share, looked_up(light, slice + 2u, next, position, normal, towards), over);
+    return mix(share, looked_up(light, slice + 2u, next, position, normal, towards, both), over);
 }
 
 /// The share of a slice at its end in which it passes over into the next.
@@ -138,12 +140,16 @@ const BLEND: f32 = 0.1;
 const REACH: f32 = 3.0;
 /// Texels over whose slope fronts are drawn farther from the light than they are.
 const PUSH: f32 = 4.5;
+/// Texels by which the filter looks from off the surface: its back may be close behind it.
+const LIFT: vec2f = vec2f(0.5, 2.5);
+/// Where less of the surface than this is to be seen (it may cast no shadow), the rest counts as lit.
+const LEAST: f32 = 0.2;
 
 /// By a light's map with this number, whose texels are `width` metres wide at the point.
 ///
 /// A filter blurs light and shadow on the plane of the surface, beyond its end too: where a wall in front of the sun
-/// stands on a floor, it would read light from behind the wall. So of what the filter reads, only that counts which
-/// shows this surface, or what stands before it.
+/// stands on a floor, it would read light from behind the wall, and from the wall. So of what the filter reads, only
+/// that counts which shows this surface, or what stands before it.
 fn looked_up(
     light: Light,
     number: u32,
@@ -151,37 +157,46 @@ fn looked_up(
     position: vec3f,
     normal: vec3f,
     towards: vec3f,
+    both: bool,
 ) -> f32 {
     let cosine = max(dot(normal, towards), 0.05);
     let slope = sqrt(1.0 - min(cosine * cosine, 1.0));
-    let lift = width * (0.5 + LIFT * slope);
+    let lift = width * (LIFT.x + LIFT.y * slope);
     let point = position + normal * lift;
     let map = select(number, face_of(point - light.position), light.kind == POINT);
-    let view = light.first_view + map;
     let layer = light.layer + i32(map);
-    let clip = shadow_views[view] * vec4f(point, 1.0);
+    let clip_from_world = shadow_views[light.first_view + map];
+    let clip = clip_from_world * vec4f(point, 1.0);
     if clip.w <= 0.0 {
         return 1.0;
     }
     let ndc = clip.xyz / clip.w;
-    let at = vec2f(0.5, 0.5) + vec2f(0.5, -0.5) * ndc.xy;
+    let at = in_map(ndc);
     let free = farther(light.kind, at, layer, ndc.z, vec2f(0.0));
     if free <= 0.001 || free >= 0.999 {
         return round(free);
     }
+    // What lies farther than the surface, and than what stands before it.
     let behind = (lift + width * (1.5 * REACH + PUSH) * slope) / cosine + 0.5 * width;
-    let deep = shadow_views[view] * vec4f(point - towards * behind, 1.0);
+    let deep = clip_from_world * vec4f(point - towards * behind, 1.0);
     let beyond = farther(light.kind, at, layer, deep.z / deep.w, vec2f(0.0));
-    let share = saturate(1.0 - (1.0 - free) / max(1.0 - beyond, LEAST));
-    let near = shadow_views[view] * vec4f(point + towards * (TOUCH * width), 1.0);
-    let touching = farther(light.kind, at, layer, near.z / near.w, vec2f(0.0)) - free;
-    return share * saturate(1.0 - 4.0 * touching);
+    var unblocked = free;
+    if !both {
+        // Fronts are pushed by more than this, what stands on the surface is not.
+        let foot_clip = clip_from_world * vec4f(position, 1.0);
+        let foot = foot_clip.xyz / foot_clip.w;
+        let rise = steepness(clip_from_world, foot, foot_clip.w, normal);
+        let texel = abs(rise) / map_size(light.kind);
+        let under = foot.z + dot(rise, at - in_map(foot)) - 0.5 * PUSH * max(texel.x, texel.y);
+        unblocked = farther(light.kind, at, layer, under, rise);
+    }
+    let blocked = 1.0 - free;
+    return saturate(1.0 - blocked / max(blocked + unblocked - beyond, LEAST));
 }
 
-const TOUCH: f32 = 40.0;
-const LIFT: f32 = 2.5;
-/// Where less of the surface than this is to be seen (it may cast no shadow), the rest counts as lit.
-const LEAST: f32 = 0.2;
+fn in_map(ndc: vec3f) -> vec2f {
+    return vec2f(0.5, 0.5) + vec2f(0.5, -0.5) * ndc.xy;
+}
 
 /// Change of depth over a map's whole width and height, on the plane with this normal through the point at `ndc`.
 fn steepness(clip_from_world: mat4x4f, ndc: vec3f, w: f32, normal: vec3f) -> vec2f {
@@ -190,7 +205,7 @@ fn steepness(clip_from_world: mat4x4f, ndc: vec3f, w: f32, normal: vec3f) -> vec
     let along = clip_from_world * vec4f(tangent, 0.0);
     let across = clip_from_world * vec4f(cross(normal, tangent), 0.0);
     let plane = cross(along.xyz - ndc * along.w, across.xyz - ndc * across.w) / (w * w);
-    let least = 0.02 * length(plane.xy);
+    let least = 1e-3 * length(plane);
     let facing = select(max(plane.z, least), min(plane.z, -least), plane.z < 0.0);
     return vec2f(-2.0, 2.0) * plane.xy / facing;
 }
@@ -210,30 +225,24 @@ fn face_of(way: vec3f) -> u32 {
 // Percentage closer filtering (Reeves et al. 1987) by a tent that reaches three texels to each side: six texels in a
 // row have the weights 1 - s, 2 - s, 3 - s, 2 + s, 1 + s, s, in ninths, where s is how far the point is beyond the
 // middle of the third. A bilinear comparison between two texels takes both, each with its weight.
-//
-// Towards the light, each tap is compared with the plane of the surface (Isidoro, "Shadow mapping: GPU-based tips and
-// techniques", 2006), by the nearer of its texels; away from it with the point, so that the surface is not taken to
-// go on behind a wall that it meets.
 
-/// Three taps along an axis: where, in texels, how much they count, and what the plane rises up to the nearer texel.
+/// Three taps along an axis: where, in texels, how much they count, and how far from the point their texels are.
 struct Tent {
     at: vec3f,
     weight: vec3f,
-    rise: vec3f,
+    way: vec3f,
 }
 
-fn tent(at: f32, steepness: f32) -> Tent {
+fn tent(at: f32) -> Tent {
     let third = floor(at - 0.5);
     let s = at - 0.5 - third;
     let weight = vec3f(3.0 - 2.0 * s, 5.0, 1.0 + 2.0 * s);
     let between = vec3f(2.0 - s, 2.0 + s, s) / weight;
-    let before = vec3f(-2.0, 0.0, 2.0) - s;
-    let rise = max(steepness * before, steepness * (before + 1.0));
-    return Tent(third + vec3f(-1.5, 0.5, 2.5) + between, weight / 9.0, rise);
+    return Tent(third + vec3f(-1.5, 0.5, 2.5) + between, weight / 9.0, vec3f(-1.5, 0.5, 2.5) - s);
 }
 
-/// Share of what a light's map shows about a place that lies farther from the light than this depth on a plane of
-/// this steepness.
+/// Share of what a light's map shows about a place that lies farther from the light than a plane with this depth
+/// there and this steepness.
 fn farther(kind: u32, at: vec2f, layer: i32, depth: f32, steepness: vec2f) -> f32 {
     if kind == SUN {
         return farther_sun(at, layer, depth, steepness);
@@ -244,17 +253,28 @@ fn farther(kind: u32, at: vec2f, layer: i32, depth: f32, steepness: vec2f) -> f3
     return farther_point(at, layer, depth, steepness);
 }
 
+fn map_size(kind: u32) -> vec2f {
+    if kind == SUN {
+        return vec2f(textureDimensions(sun_maps));
+    }
+    if kind == SPOT {
+        return vec2f(textureDimensions(spot_maps));
+    }
+    return vec2f(textureDimensions(point_maps));
+}
+
 // WGSL passes no textures to functions on every target, hence one function a kind.
 
 fn farther_sun(at: vec2f, layer: i32, depth: f32, steepness: vec2f) -> f32 {
     let size = vec2f(textureDimensions(sun_maps));
-    let x = tent(at.x * size.x, steepness.x / size.x);
-    let y = tent(at.y * size.y, steepness.y / size.y);
+    let x = tent(at.x * size.x);
+    let y = tent(at.y * size.y);
+    let rise = steepness / size;
     var sum = 0.0;
     for (var j = 0; j < 3; j++) {
         for (var i = 0; i < 3; i++) {
             let tap = vec2f(x.at[i], y.at[j]) / size;
-            let nearest = saturate(depth + max(x.rise[i] + y.rise[j], 0.0));
+            let nearest = saturate(depth + rise.x * x.way[i] + rise.y * y.way[j]);
             sum += x.weight[i] * y.weight[j]
                 * textureSampleCompareLevel(sun_maps, nearer, tap, layer, nearest);
         }
@@ -264,13 +284,14 @@ fn farther_sun(at: vec2f, layer: i32, depth: f32, steepness: vec2f) -> f32 {
 
 fn farther_spot(at: vec2f, layer: i32, depth: f32, steepness: vec2f) -> f32 {
     let size = vec2f(textureDimensions(spot_maps));
-    let x = tent(at.x * size.x, steepness.x / size.x);
-    let y = tent(at.y * size.y, steepness.y / size.y);
+    let x = tent(at.x * size.x);
+    let y = tent(at.y * size.y);
+    let rise = steepness / size;
     var sum = 0.0;
     for (var j = 0; j < 3; j++) {
         for (var i = 0; i < 3; i++) {
             let tap = vec2f(x.at[i], y.at[j]) / size;
-            let nearest = saturate(depth + max(x.rise[i] + y.rise[j], 0.0));
+            let nearest = saturate(depth + rise.x * x.way[i] + rise.y * y.way[j]);
             sum += x.weight[i] * y.weight[j]
                 * textureSampleCompareLevel(spot_maps, nearer, tap, layer, nearest);
         }
@@ -280,13 +301,14 @@ fn farther_spot(at: vec2f, layer: i32, depth: f32, steepness: vec2f) -> f32 {
 
 fn farther_point(at: vec2f, layer: i32, depth: f32, steepness: vec2f) -> f32 {
     let size = vec2f(textureDimensions(point_maps));
-    let x = tent(at.x * size.x, steepness.x / size.x);
-    let y = tent(at.y * size.y, steepness.y / size.y);
+    let x = tent(at.x * size.x);
+    let y = tent(at.y * size.y);
+    let rise = steepness / size;
     var sum = 0.0;
     for (var j = 0; j < 3; j++) {
         for (var i = 0; i < 3; i++) {
             let tap = vec2f(x.at[i], y.at[j]) / size;
-            let nearest = saturate(depth + max(x.rise[i] + y.rise[j], 0.0));
+            let nearest = saturate(depth + rise.x * x.way[i] + rise.y * y.way[j]);
             sum += x.weight[i] * y.weight[j]
                 * textureSampleCompareLevel(point_maps, nearer, tap, layer, nearest);
         }

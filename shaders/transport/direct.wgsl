@@ -34,7 +34,7 @@ fn irradiance(at: Sample, least: f32) -> vec3f {
         let light_here = arrival(light, at.position, least);
         let cosine = dot(at.normal, light_here.towards);
         if cosine > 0.0 && any(light_here.irradiance > vec3f(0.0)) {
-            let share = visible(light, at.position, at.normal, light_here.towards);
+            let share = visible(light, at.position, at.normal, light_here.towards, false);
             sum += light_here.irradiance * (cosine * share);
         }
     }
