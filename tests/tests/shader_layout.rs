@@ -51,8 +51,7 @@ macro_rules! fields {
 
 #[test]
 fn frame() {
-    let fields =
-        fields!(FrameUniform: clip_from_world, eye, forward, time, right, exposure, up, view, cascade_ends,
+    let fields = fields!(FrameUniform: clip_from_world, eye, forward, time, right, exposure, up, view, cascade_ends,
         cascade_texels, eye_depth, encode);
     compare(shaders::SURFACE, "Frame", fields, size_of::<FrameUniform>());
 }

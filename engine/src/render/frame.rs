@@ -12,6 +12,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DAffine3, Mat4, Vec3, Vec4};
 
 use super::bounce::{Bounce, Measured, TOLERANCE};
+use super::casters::Casters;
 use super::coarse::Coarse;
 use super::direct::Direct;
 use super::gather::{Gather, Source};
@@ -21,7 +22,6 @@ use super::meshes::{Meshes, StillBuffers};
 use super::patches::Patches;
 use super::pictures::Pictures;
 use super::rows::{self, PagedRows, Summed};
-use super::casters::Casters;
 use super::shadow::{Camera, Shadows};
 use super::sky::SkyPass;
 use super::sources::Sources;

@@ -180,7 +180,9 @@ impl LitSpace {
     fn touches(&self, low: Vec3, high: Vec3) -> bool {
         let nearest = self.centre.clamp(low, high);
         nearest.distance_squared(self.centre) <= self.range * self.range
-            && self.outer.is_none_or(|outer| self.cone_touches(outer, (low + high) * 0.5, (high - low).length() * 0.5))
+            && self
+                .outer
+                .is_none_or(|outer| self.cone_touches(outer, (low + high) * 0.5, (high - low).length() * 0.5))
     }
 
     /// Whether a ball reaches into the cone, by its distance to the cone's mantle.
@@ -213,8 +215,9 @@ mod tests {
     fn no_light_is_missed() {
         let cells = Cells::new((Vec3::ZERO, Vec3::new(8.0, 4.0, 8.0)));
         let at = |k: f32| Vec3::new((k * 1.7) % 8.0, (k * 0.9) % 4.0, (k * 2.9) % 8.0);
-        let spaces: Vec<LitSpace> =
-            (0..40).map(|k| space(at(k as f32), 0.5 + 0.05 * k as f32, (k % 2 == 0).then_some(0.4))).collect();
+        let spaces: Vec<LitSpace> = (0..40)
+            .map(|k| space(at(k as f32), 0.5 + 0.05 * k as f32, (k % 2 == 0).then_some(0.4)))
+            .collect();
         let lists = cells.lists(&spaces, 3);
         let mut listed = 0;
         for k in 0..4000 {

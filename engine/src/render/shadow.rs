@@ -205,8 +205,7 @@ impl Shadows {
     /// Which light has which map, for all lights that shine.
     fn assign<'a>(&self, placed: &'a [PlacedLight], in_grid: bool) -> Assigned<'a> {
         let shining = placed.iter().filter(|light| lights::shines(light));
-        let (everywhere, local): (Vec<_>, Vec<_>) =
-            shining.partition(|light| lights::is_everywhere(light));
+        let (everywhere, local): (Vec<_>, Vec<_>) = shining.partition(|light| lights::is_everywhere(light));
         let count = if in_grid { everywhere.len() } else { everywhere.len() + local.len() };
         let placed: Vec<&PlacedLight> = everywhere.into_iter().chain(local).collect();
         let mut seen = Vec::new();
@@ -254,8 +253,7 @@ impl Shadows {
         if self.bound != now {
             self.bound = now;
             self.slot_group = slot_group(gpu, &self.slot_layout, &self.slots);
-            let buffers =
-                [self.lights.buffer(), self.matrices.buffer(), uniform.buffer(), lists.buffer()];
+            let buffers = [self.lights.buffer(), self.matrices.buffer(), uniform.buffer(), lists.buffer()];
             self.scene_group = scene_group(gpu, &self.scene_layout, buffers, &self.maps, &self.comparison);
         }
     }
