@@ -21,7 +21,12 @@ struct Frame {
     eye_depth: f32,
     /// 1 where the target does not encode sRGB by itself.
     encode: u32,
-    padding: vec2u,
+    /// Radiance is drawn times this power of two.
+    pre_exposure: f32,
+    /// The tone curve.
+    curve: u32,
+    /// 1 for a reflection probe's camera.
+    capture: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -29,10 +34,24 @@ struct Frame {
 const COMPOSITE: u32 = 0u;
 const DIRECT: u32 = 1u;
 const INDIRECT: u32 = 2u;
-const ALBEDO: u32 = 3u;
-const NORMAL: u32 = 4u;
-const PATCHES: u32 = 5u;
-const DENSITY: u32 = 6u;
+const REFLECTION: u32 = 3u;
+const ALBEDO: u32 = 4u;
+const NORMAL: u32 = 5u;
+const PATCHES: u32 = 6u;
+const DENSITY: u32 = 7u;
+
+/// Views that show no light are neither exposed nor bent.
+const AS_IT_IS: u32 = 0u;
+const NEUTRAL: u32 = 1u;
+const AGX: u32 = 2u;
+
+/// What half floats hold.
+const BRIGHTEST: f32 = 65000.0;
+
+/// Radiance as it is drawn.
+fn drawn(radiance: vec3f) -> vec3f {
+    return min(radiance * frame.pre_exposure, vec3f(BRIGHTEST));
+}
 
 /// From a point to the eye, unit.
 fn to_eye(position: vec3f) -> vec3f {

@@ -1,5 +1,5 @@
 // The sky behind everything: constant, gradient with the sun's disc, or an equirectangular picture.
-#import hohlraum::frame::{frame, COMPOSITE, DIRECT}
+#import hohlraum::frame::{frame, drawn}
 
 struct Sky {
     zenith: vec3f,
@@ -42,9 +42,10 @@ fn corner(@builtin(vertex_index) index: u32) -> Point {
 @fragment
 fn behind(point: Point) -> @location(0) vec4f {
     let direction = normalize(frame.forward + frame.right * point.at.x + frame.up * point.at.y);
-    let radiance = radiance_from(direction) + disc(direction);
-    // What half floats hold.
-    return vec4f(min(radiance, vec3f(65000.0)), 1.0);
+    var radiance = radiance_from(direction);
+    // The sun's own light makes its highlights: captures would show them twice.
+    radiance += select(disc(direction), vec3f(0.0), frame.capture == 1u);
+    return vec4f(drawn(radiance), 1.0);
 }
 
 fn radiance_from(d: vec3f) -> vec3f {

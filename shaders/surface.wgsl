@@ -1,10 +1,12 @@
 // Surfaces: direct light from punctual lights with shadows, and what receivers (or light probes, for what
 // moves) say of the rest. Lambert for diffuse light, so that pictures agree with the transport to the last
 // digit; GGX (Walter et al. 2007, height-correlated Smith by Heitz 2014) with Schlick's Fresnel on top.
-#import hohlraum::frame::{frame, to_eye, COMPOSITE, DIRECT, INDIRECT, ALBEDO}
+#import hohlraum::frame::{frame, to_eye, drawn, COMPOSITE, DIRECT, INDIRECT, REFLECTION, ALBEDO}
 #import hohlraum::scene::mesh::{Still, Moving, moved, moved_normal, moved_tangent}
-#import hohlraum::scene::material::{material, base_color, metal, emission_at, bump, is, mapped, MASK, BLEND, UNLIT, DOUBLE_SIDED}
+#import hohlraum::scene::material::{material, base_color, metal, emission_at, bump, is, mapped}
+#import hohlraum::scene::material::{MASK, BLEND, UNLIT, DOUBLE_SIDED}
 #import hohlraum::scene::light::{lights_at, light_of, arrival, visible_in_view}
+#import hohlraum::scene::reflection::{around, reflectance, use_of}
 #import hohlraum::transport::sh
 
 /// Irradiance at receivers [W/m2]: seen unblocked from emitters and sky, and all that bounced.
@@ -15,6 +17,10 @@
 @group(2) @binding(3) var<storage, read> probes_indirect: array<vec4f>;
 
 const PI: f32 = 3.14159265;
+/// In captures a surface mirrors at most this share: light between mirrors that face each other ends.
+const MOST_IN_CAPTURES: f32 = 0.9;
+/// Punctual lights have no size: a highlight is never smaller than this perceptual roughness makes it.
+const LEAST_HIGHLIGHT: f32 = 0.045;
 
 struct Point {
     @builtin(position) clip: vec4f,
@@ -90,7 +96,14 @@ struct Surfel {
     alpha: f32,
     metallic: f32,
     roughness: f32,
+    /// What is reflected at normal and at grazing incidence; a dielectric's 4 % fade towards roughness 1, which is
+    /// plain Lambert.
+    facing: vec3f,
+    edge: f32,
+    /// The share of all light that is mirrored towards the viewer.
+    mirrored: vec3f,
     emission: vec3f,
+    to_viewer: vec3f,
     /// Irradiance [W/m2].
     direct: vec3f,
     indirect: vec3f,
@@ -107,7 +120,16 @@ fn surfel(point: Point, front_facing: bool) -> Surfel {
     here.albedo = base.rgb;
     here.alpha = base.a;
     here.metallic = saturate(metals.x);
-    here.roughness = clamp(metals.y, 0.045, 1.0);
+    here.roughness = saturate(metals.y);
+    let a = here.roughness * here.roughness;
+    here.facing = mix(vec3f(0.04 * (1.0 - a * a)), here.albedo, here.metallic);
+    here.edge = mix(1.0 - a * a, 1.0, here.metallic);
+    here.to_viewer = to_eye(point.position);
+    let cosine = saturate(dot(here.normal, here.to_viewer));
+    here.mirrored = reflectance(here.facing, here.edge, cosine, here.roughness);
+    if frame.capture == 1u {
+        here.mirrored = min(here.mirrored, vec3f(MOST_IN_CAPTURES));
+    }
     here.emission = emission_at(point.uv);
     here.direct = select(point.back_direct, point.front_direct, front);
     here.indirect = select(point.back_indirect, point.front_indirect, front);
@@ -145,11 +167,21 @@ fn bumped(point: Point, normal: vec3f, front: bool) -> vec3f {
 
 // ---- light
 
-/// Reflected by punctual lights [W/m2/sr].
-fn lit(here: Surfel) -> vec3f {
-    let to_viewer = to_eye(here.position);
-    let diffuse = here.albedo * ((1.0 - here.metallic) / PI);
-    var sum = vec3f(0.0);
+/// Of the light that is not mirrored, what leaves in all directions alike.
+fn diffuse_albedo(here: Surfel) -> vec3f {
+    let mirrored = max(here.mirrored.r, max(here.mirrored.g, here.mirrored.b));
+    return here.albedo * ((1.0 - here.metallic) * (1.0 - mirrored));
+}
+
+/// Reflected by punctual lights [W/m2/sr]: spread, and as highlights.
+struct Lit {
+    diffuse: vec3f,
+    highlights: vec3f,
+}
+
+fn lit(here: Surfel) -> Lit {
+    let diffuse = diffuse_albedo(here) / PI;
+    var sum = Lit(vec3f(0.0), vec3f(0.0));
     let list = lights_at(here.position);
     for (var k = 0u; k < list.count; k++) {
         let light = light_of(list, k);
@@ -160,29 +192,59 @@ fn lit(here: Surfel) -> vec3f {
             let share = visible_in_view(
                 light, here.position, here.smooth_normal, light_here.towards, is(DOUBLE_SIDED),
             );
-            let reflected = diffuse + specular(here, to_viewer, light_here.towards, cosine);
-            sum += light_here.irradiance * reflected * (cosine * share);
+            let arrived = light_here.irradiance * (cosine * share);
+            sum.diffuse += arrived * diffuse;
+            sum.highlights += arrived * highlight(here, light_here.towards, cosine);
         }
     }
     return sum;
 }
 
-/// GGX. A dielectric's 4 % fade towards roughness 1, which is plain Lambert.
-fn specular(here: Surfel, to_viewer: vec3f, to_light: vec3f, cosine: f32) -> vec3f {
-    let halfway = normalize(to_viewer + to_light);
-    let nv = max(dot(here.normal, to_viewer), 1e-4);
+/// GGX.
+fn highlight(here: Surfel, to_light: vec3f, cosine: f32) -> vec3f {
+    let halfway = normalize(here.to_viewer + to_light);
+    let nv = max(dot(here.normal, here.to_viewer), 1e-4);
     let nh = saturate(dot(here.normal, halfway));
-    let vh = saturate(dot(to_viewer, halfway));
-    let a = here.roughness * here.roughness;
+    let vh = saturate(dot(here.to_viewer, halfway));
+    let roughness = max(here.roughness, LEAST_HIGHLIGHT);
+    let a = roughness * roughness;
     let a_squared = a * a;
     let spread = (nh * a_squared - nh) * nh + 1.0;
     let distribution = a_squared / (PI * spread * spread);
     let masking = 0.5 / (cosine * sqrt(nv * nv * (1.0 - a_squared) + a_squared)
         + nv * sqrt(cosine * cosine * (1.0 - a_squared) + a_squared));
-    let facing = mix(vec3f(0.04 * (1.0 - a_squared)), here.albedo, here.metallic);
-    let edge = mix(1.0 - a_squared, 1.0, here.metallic);
-    let fresnel = facing + (vec3f(edge) - facing) * pow(1.0 - vh, 5.0);
+    let fresnel = here.facing + (vec3f(here.edge) - here.facing) * pow(1.0 - vh, 5.0);
     return fresnel * (distribution * masking);
+}
+
+/// What is mirrored of all that stands around [W/m2/sr].
+fn reflection(here: Surfel) -> vec3f {
+    let irradiance = here.direct + here.indirect;
+    let mirrored = reflect(-here.to_viewer, here.normal);
+    let found = around(here.position, here.normal, mirrored, here.roughness);
+    // Where nothing is known of the surroundings, they are taken to be the same from everywhere.
+    let unknown = irradiance / PI * (1.0 - found.known);
+    let radiance = found.radiance * open_share(here, irradiance, found.irradiance, found.known) + unknown;
+    return here.mirrored * radiance * (use_of.strength * over_horizon(here, mirrored));
+}
+
+/// A place that gets less than half the light that a cubemap saw is taken to be closed in by as much: what the
+/// cubemap shows is hidden from it (after Lagarde and de Rousiers 2014).
+fn open_share(here: Surfel, irradiance: vec3f, seen: vec3f, known: f32) -> f32 {
+    let luminance = vec3f(0.2126, 0.7152, 0.0722);
+    let there = dot(seen, luminance);
+    if known <= 0.0 || there <= 0.0 {
+        return 1.0;
+    }
+    let open = saturate(2.0 * dot(irradiance, luminance) * known / there);
+    let cosine = saturate(dot(here.normal, here.to_viewer));
+    return saturate(pow(cosine + open, exp2(-16.0 * here.roughness - 1.0)) - 1.0 + open);
+}
+
+/// A normal map can mirror what lies under the surface: that fades.
+fn over_horizon(here: Surfel, mirrored: vec3f) -> f32 {
+    let over = saturate(1.0 + 1.3 * dot(mirrored, here.smooth_normal));
+    return over * over;
 }
 
 // ---- pictures
@@ -193,25 +255,32 @@ fn shade(point: Point, @builtin(front_facing) front: bool) -> @location(0) vec4f
     if is(MASK) && here.alpha < material.cutoff {
         discard;
     }
-    return vec4f(seen(here), select(1.0, here.alpha, is(BLEND)));
+    if frame.view >= ALBEDO {
+        let plain = select(here.normal * 0.5 + 0.5, here.albedo, frame.view == ALBEDO);
+        return vec4f(plain, 1.0) * select(1.0, here.alpha, is(BLEND));
+    }
+    let seen = radiance_of(here, select(1.0, here.alpha, is(BLEND)));
+    return vec4f(drawn(seen.rgb), seen.a);
 }
 
-fn seen(here: Surfel) -> vec3f {
-    if frame.view == ALBEDO {
-        return here.albedo;
-    }
-    if frame.view > ALBEDO {
-        return here.normal * 0.5 + 0.5;
-    }
+/// Radiance that is on its way to the eye, and what it covers: alpha thins out what leaves in all directions, and
+/// not what is mirrored, as on glass.
+fn radiance_of(here: Surfel, alpha: f32) -> vec4f {
     if is(UNLIT) {
-        return select(here.albedo, vec3f(0.0), frame.view == INDIRECT);
+        let own = select(here.albedo, vec3f(0.0), frame.view == INDIRECT || frame.view == REFLECTION);
+        return vec4f(own, 1.0) * alpha;
     }
-    // A metal's reflection of its surroundings is, until captures are there, its colour times the mean.
-    let reflected = here.albedo / PI;
-    let indirect = here.indirect * reflected;
+    let reflected = diffuse_albedo(here) / PI;
+    let indirect = here.indirect * reflected * alpha;
     if frame.view == INDIRECT {
-        return indirect;
+        return vec4f(indirect, alpha);
     }
-    let direct = here.emission + here.direct * reflected + lit(here);
-    return select(direct + indirect, direct, frame.view == DIRECT);
+    let mirrored = reflection(here);
+    if frame.view == REFLECTION {
+        return vec4f(mirrored, alpha);
+    }
+    let from_lights = lit(here);
+    let spread = here.emission + here.direct * reflected + from_lights.diffuse;
+    let direct = spread * alpha + from_lights.highlights;
+    return vec4f(select(direct + indirect + mirrored, direct, frame.view == DIRECT), alpha);
 }

@@ -6,8 +6,8 @@ use engine::transport::materials::{SurfacePoint, coverage, points_in_triangles};
 use engine::transport::{Surface, Transport};
 use glam::{Vec2, Vec4};
 
-use crate::bvh::Holes;
 use crate::layout::RayScene;
+use engine::transport::bvh::Holes;
 
 pub struct AlphaHoles<'a> {
     surface: &'a Surface,

@@ -3,7 +3,6 @@
 
 mod aggregate;
 mod balance;
-mod bvh;
 mod cache;
 mod certify;
 mod chart;
@@ -32,7 +31,8 @@ use engine::scene::file::{Project, Quality, baked_dir, load_project, load_scene}
 use engine::scene::import::load_assets;
 use engine::scene::{Scene, SceneError, SkyKind, Warning};
 use engine::transport::file::TransportError;
-use engine::transport::key::{BakeWith, transport_key};
+use engine::transport::key::{BakeWith, inputs, transport_key};
+use engine::transport::stale::Stale;
 use engine::transport::{Certificate, Transport, file, materials};
 use glam::{DVec3, Vec3};
 
@@ -170,7 +170,8 @@ fn run(
     let mut opened = Opened::open(project, scene)?;
     let (with, is_new_length) =
         settings::settle(&opened.settings, &opened.name, settings, layout::area(&opened.surface))?;
-    let key = transport_key(project, &opened.scene, &with);
+    let inputs = inputs(&opened.scene, &opened.assets, &with);
+    let key = transport_key(&inputs);
     let file = file::path(project, &opened.name);
     watcher.advance(1, 0);
 
@@ -205,6 +206,7 @@ fn run(
     opened.warnings.sort();
     opened.warnings.dedup();
     certificate.key = key;
+    certificate.inputs = inputs;
     certificate.warnings = opened.warnings.iter().map(Warning::to_string).collect();
     certificate.left_out = left_out(&opened.scene);
     if !unchanged {
@@ -267,7 +269,7 @@ pub fn plan(project: &Path, scene: Option<&str>, settings: &Settings) -> Result<
     let opened = Opened::open(project, scene)?;
     let (with, _) =
         settings::settle(&opened.settings, &opened.name, settings, layout::area(&opened.surface))?;
-    let key = transport_key(project, &opened.scene, &with);
+    let key = transport_key(&inputs(&opened.scene, &opened.assets, &with));
     let baked = file::load_certificate(&file::path(project, &opened.name));
     let is_current = baked.is_ok_and(|certificate| certificate.key == key);
     let layout = layout::layout(&opened.scene, &opened.assets, &opened.surface, with.length, &Silent)?;
@@ -325,8 +327,9 @@ impl Solvable {
             rays: certificate.rays_per_row,
             length: certificate.base_length,
         };
-        if transport_key(project, &opened.scene, &with) != certificate.key {
-            return stale("static geometry, density, holes or probes have changed since");
+        let now = inputs(&opened.scene, &opened.assets, &with);
+        if transport_key(&now) != certificate.key {
+            return stale(&Stale::between(&certificate.inputs, &now).to_string());
         }
         Ok(Self { opened, transport })
     }

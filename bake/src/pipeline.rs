@@ -12,7 +12,6 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::balance::{balanced_rows, cap};
-use crate::bvh::Bvh;
 use crate::cache::Cache;
 use crate::certify::certify_rows;
 use crate::directions::{Sobol, hash_of};
@@ -23,6 +22,7 @@ use crate::probe::{ProbeRow, probe_row};
 use crate::rays::{Hits, Tracer};
 use crate::surface::Surface;
 use crate::{BakeError, Watcher, aggregate};
+use engine::transport::bvh::Bvh;
 
 /// Rays of a light-probe row: few probes, each with nine coefficients to get right.
 pub const PROBE_RAYS: u32 = 4096;

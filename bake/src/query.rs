@@ -15,7 +15,6 @@ use engine::transport::{NONE, Transport, sky};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use crate::bvh::{Bvh, Hit, patch_of};
 use crate::directions::{Sobol, cosine_direction, frame, hash, hash_of, sphere_direction, unit};
 use crate::emitter::Emitters;
 use crate::holes::AlphaHoles;
@@ -23,6 +22,7 @@ use crate::layout::RayScene;
 use crate::pipeline::sampled;
 use crate::rays::Tracer;
 use crate::{BakeError, Irradiance, Method, Point, Silent, Solvable};
+use engine::transport::bvh::{Bvh, Hit, patch_of};
 
 /// Rays of a final gather, and of a fresh probe row.
 const GATHER_RAYS: u32 = 1 << 14;

@@ -7,11 +7,11 @@ use engine::transport::sky;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::bvh::{Bvh, Holes, patch_of};
 use crate::cache::Cache;
 use crate::directions::{Sobol, cosine_direction, frame, hash, unit};
 use crate::layout::{Places, RayScene};
 use crate::{BakeError, Watcher};
+use engine::transport::bvh::{Bvh, Holes, patch_of};
 
 /// What a row's rays hit: columns ascending, with counts. All rows have the same number of rays.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,148 +1,22 @@
 //! The player as a program: pictures, statistics, exit codes.
 
+mod program;
+
 use std::path::Path;
-use std::process::{Command, Output};
 
-use engine::scene::file::{Project, save_project, save_scene};
-use engine::scene::shape::Shape;
-use engine::scene::{
-    Camera, Entity, EntityId, Light, LightKind, Material, MaterialId, MeshRenderer, MeshSource, Motion,
-    Scene, Transform,
-};
-use engine::transport::key::{BakeWith, transport_key};
-use engine::transport::surface::{Blend, Surface};
-use engine::transport::{Batch, NONE, Patch, Receiver, Rows, Sample, Transport, Vertex, file};
-use glam::{DQuat, DVec3, Vec2, Vec3};
-
-fn play(project: &Path, args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_hohlraum-play")).arg(project).args(args).output().unwrap()
-}
-
-/// Says so and gives false where the machine has no GPU adapter at all.
-fn can_draw() -> bool {
-    let can = !matches!(engine::gpu::Gpu::headless(), Err(engine::gpu::GpuError::NoAdapter));
-    if !can {
-        println!("not run: no GPU adapter");
-    }
-    can
-}
-
-/// A floor of 4 x 4 m as one patch that nothing else is near.
-fn floor() -> Transport {
-    let corner = |x: f32, z: f32| Vec3::new(x, 0.0, z);
-    let positions = [corner(-2.0, -2.0), corner(-2.0, 2.0), corner(2.0, 2.0), corner(2.0, -2.0)];
-    let normal = Vec3::Y;
-    let vertex =
-        |position| Vertex { position, normal, tangent: [0.0; 4], uv: [Vec2::ZERO; 2], color: [1.0; 4] };
-    let empty = Rows { starts: vec![0, 0], ..Rows::default() };
-    Transport {
-        surface: Surface {
-            vertices: positions.map(vertex).to_vec(),
-            blends: vec![Blend::one(0); 4],
-            triangles: vec![[0, 1, 2], [0, 2, 3]],
-            patches: vec![[0, NONE]; 2],
-            batches: vec![Batch { entity: [1, 0], material: 0, double_sided: 0, first: 0, count: 2 }],
-            ..Surface::default()
-        },
-        patches: vec![Patch { area: 16.0, normal, triangle_count: 2, sample_count: 1, ..Patch::default() }],
-        samples: vec![Sample { normal, ..Sample::default() }],
-        receivers: vec![Receiver { normal, valid: 1.0, ..Receiver::default() }],
-        patch_from_patch: empty.clone(),
-        receiver_from_patch: empty,
-        ..Transport::default()
-    }
-}
-
-fn entity(id: u64, name: &str) -> Entity {
-    Entity { id: EntityId(id), name: name.to_owned(), ..Entity::default() }
-}
-
-fn mesh(shape: Shape) -> Option<MeshRenderer> {
-    Some(MeshRenderer {
-        mesh: MeshSource::Shape(shape),
-        materials: vec![MaterialId(0)],
-        casts_shadows: true,
-        density: Default::default(),
-        reflection: Default::default(),
-    })
-}
-
-/// A floor, a lamp, a cube that turns.
-fn scene() -> Scene {
-    let spin = Motion::Spin { axis: DVec3::Y, radians_per_second: 3.0 };
-    let lamp = Light { kind: LightKind::Point, intensity: 10.0, ..Light::default() };
-    Scene {
-        materials: vec![Material { albedo: grey(), ..Material::default() }],
-        entities: vec![
-            Entity { is_static: true, mesh: mesh(Shape::Plane), ..entity(1, "floor") },
-            Entity {
-                light: Some(lamp),
-                transform: Transform::at(DVec3::new(1.0, 2.0, 1.0)),
-                ..entity(2, "lamp")
-            },
-            Entity {
-                mesh: mesh(Shape::Cube),
-                transform: Transform::at(DVec3::Y * 0.8),
-                motion: Some(spin),
-                ..entity(3, "cube")
-            },
-            Entity {
-                camera: Some(Camera::default()),
-                transform: Transform {
-                    translation: DVec3::new(0.0, 3.0, 5.0),
-                    rotation: DQuat::from_rotation_x(-0.5),
-                    ..Transform::default()
-                },
-                ..entity(4, "camera")
-            },
-        ],
-        ..Scene::default()
-    }
-}
-
-fn grey() -> engine::scene::Albedo {
-    engine::scene::Albedo { color: Vec3::splat(0.5), ..Default::default() }
-}
-
-fn project(scene: &Scene, bake: Option<&Transport>) -> tempfile::TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    save_project(folder.path(), &Project::default()).unwrap();
-    save_scene(folder.path(), "main", scene).unwrap();
-    if let Some(transport) = bake {
-        let with = BakeWith { quality: Default::default(), rays: 1, length: 1.0 };
-        let mut transport = transport.clone();
-        transport.certificate.rays_per_row = with.rays;
-        transport.certificate.base_length = with.length;
-        transport.certificate.key = transport_key(folder.path(), scene, &with);
-        file::save(&file::path(folder.path(), "main"), &transport).unwrap();
-    }
-    folder
-}
-
-fn error_of(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-#[test]
-fn a_bake_of_another_geometry_is_refused_with_the_remedy() {
-    if !can_draw() {
-        return;
-    }
-    let mut scene = scene();
-    let folder = project(&scene, Some(&floor()));
-    scene.entities[0].transform.translation.x += 1.0;
-    save_scene(folder.path(), "main", &scene).unwrap();
-    let output = play(folder.path(), &["--headless"]);
-    assert_eq!(output.status.code(), Some(1));
-    assert!(error_of(&output).contains("stale") && error_of(&output).contains("hohlraum-bake"));
-}
+use engine::scene::{Motion, Scene, Switching, Transform};
+use glam::{DQuat, DVec3};
+use program::*;
 
 #[test]
 fn the_same_scene_gives_the_same_pictures_and_motion_gives_others() {
     if !can_draw() {
         return;
     }
-    let folder = project(&scene(), Some(&floor()));
+    let mut scene = scene();
+    let switching = Switching { period: 0.4, on_share: 0.5, offset: 0.0 };
+    scene.entities[1].light.as_mut().unwrap().switching = Some(switching);
+    let folder = project(&scene, Some(&floor()));
     let draw = |out: &str| {
         let out = folder.path().join(out);
         let stats = out.with_extension("json");
@@ -159,6 +33,12 @@ fn the_same_scene_gives_the_same_pictures_and_motion_gives_others() {
     let (again, _) = draw("again");
     assert_eq!(once, again);
     assert_ne!(once[0], once[1]);
+    let mean = |png: &[u8]| {
+        let picture = image::load_from_memory(png).unwrap().to_rgb8();
+        picture.pixels().map(|pixel| f64::from(pixel.0[0])).sum::<f64>()
+    };
+    assert!(mean(&once[0]) > 10.0 * mean(&once[1]), "the light is off after 0.2 s");
+    assert!(mean(&once[2]) > 10.0 * mean(&once[1]), "and on again after 0.4 s");
 
     let stats: serde_json::Value = serde_json::from_str(&stats).unwrap();
     assert_eq!(stats["frames"], 5);
@@ -201,17 +81,10 @@ fn scenes_without_light_camera_or_geometry_are_played() {
 }
 
 #[test]
-fn a_scene_without_a_bake_is_refused_with_the_remedy() {
-    let folder = project(&scene(), None);
-    let output = play(folder.path(), &["--headless"]);
-    assert_eq!(output.status.code(), Some(1));
-    assert!(error_of(&output).contains("run `hohlraum-bake"), "{}", error_of(&output));
-}
-
-#[test]
 fn wrong_usage_is_2_and_says_what_is_right() {
     let nowhere = Path::new("nowhere");
-    let wrong: [(&[&str], &str); 7] = [
+    let wrong: [(&[&str], &str); 8] = [
+        (&["--vsync", "perhaps"], "on or off"),
         (&["--view", "probes"], "later version"),
         (&["--view", "wonderful"], "composite, direct"),
         (&["--size", "0x10"], "1280x720"),
@@ -228,4 +101,69 @@ fn wrong_usage_is_2_and_says_what_is_right() {
     let output = play(nowhere, &["--headless"]);
     assert_eq!(output.status.code(), Some(1));
     assert!(error_of(&output).contains("nowhere"));
+}
+
+#[test]
+fn statistics_are_written_though_the_device_is_lost_midway() {
+    if !can_draw() {
+        return;
+    }
+    let folder = project(&scene(), Some(&floor()));
+    let file = folder.path().join("deep/stats.json");
+    let mut program = std::process::Command::new(env!("CARGO_BIN_EXE_hohlraum-play"));
+    program.arg(folder.path()).args(["--headless", "--frames", "5", "--size", "32x32", "--stats"]).arg(&file);
+    let output = program.env("HOHLRAUM_LOSE_DEVICE", "2").output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    assert!(error_of(&output).contains("lost"), "{}", error_of(&output));
+    let stats: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap();
+    assert_eq!((&stats["frames"], &stats["patches"]), (&2.into(), &1.into()));
+    assert!(stats["failed"].as_str().unwrap().contains("lost"));
+    assert_eq!(stats["draws"].as_array().unwrap().len(), 2);
+}
+
+/// A camera that goes along a path over the floor, looking where it goes.
+#[test]
+fn a_camera_with_a_path_walks_through_the_scene() {
+    if !can_draw() {
+        return;
+    }
+    let mut scene = scene();
+    let camera = &mut scene.entities[3];
+    let points = vec![DVec3::new(0.0, 1.0, 8.0), DVec3::new(0.0, 1.0, 2.0)];
+    camera.motion = Some(Motion::PingPong { points, seconds: 2.0, look: true });
+    camera.transform = Transform { rotation: DQuat::from_rotation_y(2.0), ..Transform::default() };
+    let folder = project(&scene, Some(&floor()));
+    // Of the picture, the share that the floor and the cube cover grows.
+    let seen = |frames: &str| {
+        let args = ["--frames", frames, "--fixed-dt", "0.5", "--size", "64x64", "--view", "albedo"];
+        picture(folder.path(), &args).pixels().filter(|pixel| pixel.0[0] > 0).count()
+    };
+    let (far, near) = (seen("1"), seen("3"));
+    assert!(far > 20 && near > 3 * far, "{far} {near}");
+}
+
+#[test]
+fn exposure_is_two_to_the_stops_whatever_the_camera_does() {
+    if !can_draw() {
+        return;
+    }
+    let mut scene = scene();
+    scene.entities.retain(|entity| entity.name != "cube");
+    let radiance = glam::Vec3::splat(0.1);
+    scene.sky.kind = engine::scene::SkyKind::Constant { radiance };
+    let looked_at_with = |auto: bool, args: &[&str]| {
+        let mut scene: Scene = scene.clone();
+        let camera = scene.entities.last_mut().unwrap().camera.as_mut().unwrap();
+        camera.auto_exposure = auto.then(Default::default);
+        let folder = project(&scene, Some(&floor()));
+        // The upper corner shows the sky.
+        picture(folder.path(), &[args, &["--size", "64x64"]].concat()).get_pixel(1, 1).0[0]
+    };
+    let encoded = |light: f64| (255.0 * (1.055 * light.powf(1.0 / 2.4) - 0.055)).round() as u8;
+    for auto in [false, true] {
+        assert_eq!(looked_at_with(auto, &["--exposure", "1"]), encoded(0.2));
+        assert_eq!(looked_at_with(auto, &["--exposure", "-2.5"]), encoded(0.1 * 2f64.powf(-2.5)));
+    }
+    assert_eq!(looked_at_with(false, &[]), encoded(0.1));
+    assert!(looked_at_with(true, &[]) > encoded(0.1), "a dark scene is brightened");
 }

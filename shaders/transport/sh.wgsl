@@ -11,3 +11,18 @@ fn irradiance(l: array<vec3f, 9>, n: vec3f) -> vec3f {
     h += l[8] * (0.78539816 * 0.54627421 * (n.x * n.x - n.y * n.y));
     return max(h, vec3f(0.0));
 }
+
+/// Y_lm of a unit direction.
+fn basis(d: vec3f) -> array<f32, 9> {
+    return array<f32, 9>(
+        0.28209479,
+        0.48860251 * d.y,
+        0.48860251 * d.z,
+        0.48860251 * d.x,
+        1.09254843 * d.x * d.y,
+        1.09254843 * d.y * d.z,
+        0.31539157 * (3.0 * d.z * d.z - 1.0),
+        1.09254843 * d.x * d.z,
+        0.54627421 * (d.x * d.x - d.y * d.y),
+    );
+}

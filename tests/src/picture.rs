@@ -83,7 +83,8 @@ impl Studio {
         let bytes = texture::read(self.renderer.gpu(), &targets.radiance, 8).unwrap();
         let halves =
             bytes.chunks_exact(2).map(|pair| texture::single(u16::from_le_bytes([pair[0], pair[1]])));
-        let values: Vec<f32> = halves.collect();
+        let pre_exposure = self.renderer.exposed().unwrap().pre_exposure;
+        let values: Vec<f32> = halves.map(|half| half / pre_exposure).collect();
         values.chunks_exact(4).map(|texel| Vec3::new(texel[0], texel[1], texel[2])).collect()
     }
 

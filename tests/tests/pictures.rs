@@ -246,7 +246,9 @@ fn a_hidden_wall_is_not_drawn_and_a_back_face_is_culled() {
 #[test]
 fn every_view_shows_something_and_all_differ() {
     let Some(gpu) = gpu() else { return };
-    let (mut studio, scene) = room_studio(gpu);
+    let (mut studio, mut scene) = room_studio(gpu);
+    scene.materials[2].roughness = 0.2;
+    scene.materials[2].metallic = 0.7;
     let mut seen: Vec<Vec<u8>> = Vec::new();
     for view in View::ALL {
         studio.settle(&scene, view);

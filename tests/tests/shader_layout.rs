@@ -4,11 +4,15 @@
 use std::mem::offset_of;
 
 use engine::render::coarse::CoarseUniform;
+use engine::render::exposure::{ExposureState, MeterUniform};
 use engine::render::frame::FrameUniform;
 use engine::render::gather::MeanUniform;
 use engine::render::light_grid::GridUniform;
 use engine::render::lights::GpuLight;
 use engine::render::materials::{MapUniform, MaterialUniform};
+use engine::render::overlay::PanelUniform;
+use engine::render::reflections::prefilter::{PrefilterUniform, ProjectUniform};
+use engine::render::reflections::uses::{self, GpuReflectionProbe, ReflectionUse};
 use engine::render::rows::PageUniform;
 use engine::render::shaders;
 use engine::render::shadow::ShadowView;
@@ -51,8 +55,8 @@ macro_rules! fields {
 
 #[test]
 fn frame() {
-    let fields = fields!(FrameUniform: clip_from_world, eye, forward, time, right, exposure, up, view, cascade_ends,
-        cascade_texels, eye_depth, encode);
+    let fields = fields!(FrameUniform: clip_from_world, eye, forward, time, right, exposure, up, view,
+        cascade_ends, cascade_texels, eye_depth, encode, pre_exposure, curve, capture);
     compare(shaders::SURFACE, "Frame", fields, size_of::<FrameUniform>());
 }
 
@@ -80,6 +84,21 @@ fn shadow() {
 }
 
 #[test]
+fn reflections() {
+    let fields = fields!(GpuReflectionProbe: rows, position, fade, half, unit, cube, group, box_projection);
+    // Three rows there, one array here.
+    let rows = [("row_x", 0), ("row_y", 16), ("row_z", 32)];
+    let fields: Vec<_> = rows.into_iter().chain(fields[1..].iter().copied()).collect();
+    compare(shaders::SURFACE, "Probe", &fields, size_of::<GpuReflectionProbe>());
+    let fields = fields!(ReflectionUse: probes, weights, count, per_point, strength, last_level, sky);
+    compare(shaders::SURFACE, "Use", fields, uses::READ_BYTES as usize);
+    assert_eq!(size_of::<ReflectionUse>(), 256);
+    let fields = fields!(PrefilterUniform: forward, count, right, up, samples);
+    compare(shaders::PREFILTER, "Prefilter", fields, size_of::<PrefilterUniform>());
+    compare(shaders::PREFILTER, "Project", fields!(ProjectUniform: size, first), size_of::<ProjectUniform>());
+}
+
+#[test]
 fn sky() {
     let fields =
         fields!(SkyUniform: zenith, kind, horizon, sun_radius, ground, turn, sun, strength, sun_radiance);
@@ -98,6 +117,16 @@ fn patches_and_samples() {
         ("normal", offset_of!(Sample, normal)),
     ];
     compare(shaders::DIRECT, "Sample", fields, size_of::<Sample>());
+}
+
+#[test]
+fn exposure_and_overlay() {
+    let fields = fields!(MeterUniform: size, step, kept, compensation, least, most);
+    compare(shaders::EXPOSURE, "Meter", fields, size_of::<MeterUniform>());
+    let fields = fields!(ExposureState: stops, exposure, pre_exposure);
+    compare(shaders::EXPOSURE, "Exposure", fields, size_of::<ExposureState>());
+    let fields = fields!(PanelUniform: size, scale, encode, display);
+    compare(shaders::OVERLAY, "Panel", fields, size_of::<PanelUniform>());
 }
 
 #[test]

@@ -46,6 +46,12 @@ struct Args {
     /// Display = 2^EV * radiance, instead of the camera's.
     #[arg(long, value_name = "EV", value_parser = exposure, allow_negative_numbers = true)]
     exposure: Option<f32>,
+    /// Pictures wait for the display.
+    #[arg(long, value_name = "on|off", default_value = "on", value_parser = on_or_off, action = clap::ArgAction::Set)]
+    vsync: bool,
+    /// Writes times and counts over the picture.
+    #[arg(long)]
+    overlay: bool,
 }
 
 fn main() -> ExitCode {
@@ -62,6 +68,8 @@ fn main() -> ExitCode {
         stats: args.stats,
         view: args.view,
         exposure: args.exposure,
+        vsync: args.vsync,
+        overlay: args.overlay,
     };
     match play::run(&options) {
         Ok(()) => ExitCode::SUCCESS,
@@ -89,8 +97,16 @@ fn exposure(text: &str) -> Result<f32, String> {
     stops.ok_or_else(|| "give stops between -64 and 64".to_owned())
 }
 
+fn on_or_off(text: &str) -> Result<bool, String> {
+    match text {
+        "on" => Ok(true),
+        "off" => Ok(false),
+        _ => Err("give on or off".to_owned()),
+    }
+}
+
 /// Views that later versions bring.
-const LATER: [&str; 3] = ["reflection", "probes", "tetrahedra"];
+const LATER: [&str; 2] = ["probes", "tetrahedra"];
 
 fn view(text: &str) -> Result<View, String> {
     if LATER.contains(&text) {

@@ -8,17 +8,25 @@ use wgpu::util::DeviceExt;
 
 use super::{Gpu, GpuError};
 
-/// A buffer with this content. An empty one has room for 64 bytes, as no binding may be empty.
+/// No binding may be smaller than what a shader reads of it, at least one element.
+const LEAST: u64 = 256;
+
+/// A buffer with this content.
 pub fn filled<T: NoUninit>(gpu: &Gpu, label: &str, items: &[T], usage: wgpu::BufferUsages) -> wgpu::Buffer {
     let bytes: &[u8] = bytemuck::cast_slice(items);
     if bytes.is_empty() {
         return empty(gpu, label, 0, usage);
     }
     let padded: Vec<u8>;
-    let contents = if bytes.len().is_multiple_of(4) && bytes.len() >= 64 {
+    let contents = if bytes.len().is_multiple_of(4) && bytes.len() as u64 >= LEAST {
         bytes
     } else {
-        padded = bytes.iter().copied().chain([0; 64]).take(bytes.len().next_multiple_of(4).max(64)).collect();
+        padded = bytes
+            .iter()
+            .copied()
+            .chain([0; LEAST as usize])
+            .take(bytes.len().next_multiple_of(4).max(LEAST as usize))
+            .collect();
         &padded
     };
     let usage = usage | wgpu::BufferUsages::COPY_DST;
@@ -29,7 +37,7 @@ pub fn filled<T: NoUninit>(gpu: &Gpu, label: &str, items: &[T], usage: wgpu::Buf
 pub fn empty(gpu: &Gpu, label: &str, bytes: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
     gpu.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
-        size: bytes.next_multiple_of(4).max(64),
+        size: bytes.next_multiple_of(4).max(LEAST),
         usage: usage | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
         mapped_at_creation: false,
     })

@@ -124,9 +124,8 @@ fn listen(device: &wgpu::Device) -> Arc<Mutex<Said>> {
     }));
     let losses = said.clone();
     device.set_device_lost_callback(move |reason, message| {
-        if reason != wgpu::DeviceLostReason::Destroyed {
-            losses.lock().unwrap_or_else(PoisonError::into_inner).lost = Some(message);
-        }
+        let message = if message.is_empty() { format!("{reason:?}").to_lowercase() } else { message };
+        losses.lock().unwrap_or_else(PoisonError::into_inner).lost = Some(message);
     });
     said
 }

@@ -18,6 +18,8 @@ pub enum Binding {
     Texels,
     MultisampledTexels,
     DepthLayers,
+    Cube,
+    Cubes,
     Sampler,
     Comparison,
 }
@@ -61,6 +63,8 @@ fn binding_type(binding: Binding) -> wgpu::BindingType {
         Binding::Texels => texture(float(false), d2, false),
         Binding::MultisampledTexels => texture(float(false), d2, true),
         Binding::DepthLayers => texture(wgpu::TextureSampleType::Depth, layers, false),
+        Binding::Cube => texture(float(true), wgpu::TextureViewDimension::Cube, false),
+        Binding::Cubes => texture(float(true), wgpu::TextureViewDimension::CubeArray, false),
         Binding::Sampler => wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
         Binding::Comparison => wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Comparison),
     }
@@ -178,7 +182,27 @@ pub fn draw_into<'a>(
     view: &wgpu::TextureView,
     timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
 ) -> wgpu::RenderPass<'a> {
-    let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store };
+    draw(encoder, label, view, wgpu::LoadOp::Clear(wgpu::Color::BLACK), timestamp_writes)
+}
+
+/// A pass that draws onto what is there.
+pub fn draw_over<'a>(
+    encoder: &'a mut wgpu::CommandEncoder,
+    label: &str,
+    view: &wgpu::TextureView,
+    timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
+) -> wgpu::RenderPass<'a> {
+    draw(encoder, label, view, wgpu::LoadOp::Load, timestamp_writes)
+}
+
+fn draw<'a>(
+    encoder: &'a mut wgpu::CommandEncoder,
+    label: &str,
+    view: &wgpu::TextureView,
+    load: wgpu::LoadOp<wgpu::Color>,
+    timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
+) -> wgpu::RenderPass<'a> {
+    let ops = wgpu::Operations { load, store: wgpu::StoreOp::Store };
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some(label),
         color_attachments: &[Some(wgpu::RenderPassColorAttachment {

@@ -74,6 +74,22 @@ pub fn depth_layers(gpu: &Gpu, label: &str, size: u32, layers: u32) -> wgpu::Tex
     })
 }
 
+/// Layers of depth to draw into and to copy.
+pub fn copied_depth(gpu: &Gpu, label: &str, size: u32, layers: u32) -> wgpu::Texture {
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: extent([size, size], layers),
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Depth32Float,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT
+            | wgpu::TextureUsages::COPY_SRC
+            | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    })
+}
+
 /// All layers, to be read.
 pub fn as_layers(texture: &wgpu::Texture) -> wgpu::TextureView {
     texture.create_view(&wgpu::TextureViewDescriptor {
@@ -86,6 +102,51 @@ pub fn as_layers(texture: &wgpu::Texture) -> wgpu::TextureView {
 pub fn layer(texture: &wgpu::Texture, layer: u32) -> wgpu::TextureView {
     texture.create_view(&wgpu::TextureViewDescriptor {
         dimension: Some(wgpu::TextureViewDimension::D2),
+        base_array_layer: layer,
+        array_layer_count: Some(1),
+        ..Default::default()
+    })
+}
+
+/// Cubemaps with their smaller levels, to draw into and to read, of half floats. wgpu's OpenGL takes one cube for
+/// something else than an array of cubes: to be bound as an array there have to be two.
+pub fn cubes(gpu: &Gpu, label: &str, size: u32, cubes: u32, levels: u32) -> wgpu::Texture {
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: extent([size, size], cubes * 6),
+        mip_level_count: levels,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba16Float,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT
+            | wgpu::TextureUsages::TEXTURE_BINDING
+            | wgpu::TextureUsages::COPY_SRC
+            | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    })
+}
+
+/// The whole of a cubemap, or of an array of them, to be read.
+pub fn as_cubes(texture: &wgpu::Texture, dimension: wgpu::TextureViewDimension) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor { dimension: Some(dimension), ..Default::default() })
+}
+
+/// One level of a cubemap, to be read.
+pub fn cube_level(texture: &wgpu::Texture, level: u32) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::Cube),
+        base_mip_level: level,
+        mip_level_count: Some(1),
+        ..Default::default()
+    })
+}
+
+/// One level of one layer, to be drawn into.
+pub fn layer_level(texture: &wgpu::Texture, layer: u32, level: u32) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::D2),
+        base_mip_level: level,
+        mip_level_count: Some(1),
         base_array_layer: layer,
         array_layer_count: Some(1),
         ..Default::default()
@@ -144,14 +205,29 @@ fn extent(size: [u32; 2], layers: u32) -> wgpu::Extent3d {
 
 /// Rows from the top, `texel` bytes a texel, without the padding that copies need. Blocks.
 pub fn read(gpu: &Gpu, texture: &wgpu::Texture, texel: u32) -> Result<Vec<u8>, GpuError> {
-    let (width, height) = (texture.width(), texture.height());
+    read_layer(gpu, texture, [0, 0], texel)
+}
+
+/// The same of one layer and level.
+pub fn read_layer(
+    gpu: &Gpu,
+    texture: &wgpu::Texture,
+    [layer, level]: [u32; 2],
+    texel: u32,
+) -> Result<Vec<u8>, GpuError> {
+    let (width, height) = ((texture.width() >> level).max(1), (texture.height() >> level).max(1));
     let row = width * texel;
     let padded = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
     let staging = buffer::staging(gpu, u64::from(padded) * u64::from(height));
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(padded), rows_per_image: None };
     encoder.copy_texture_to_buffer(
-        texture.as_image_copy(),
+        wgpu::TexelCopyTextureInfo {
+            texture,
+            mip_level: level,
+            origin: wgpu::Origin3d { x: 0, y: 0, z: layer },
+            aspect: wgpu::TextureAspect::All,
+        },
         wgpu::TexelCopyBufferInfo { buffer: &staging, layout },
         extent([width, height], 1),
     );

@@ -9,6 +9,9 @@ use super::buffer::{Readback, empty};
 /// Passes with a timestamp in one frame; what comes after goes untimed.
 const MOST: u32 = 256;
 
+/// Frames whose times are remembered: the last half hour, at least.
+const KEPT: usize = 1 << 18;
+
 /// Times of passes by name; passes of one name in one frame add up.
 pub struct Timer {
     stamps: Option<Stamps>,
@@ -111,6 +114,16 @@ impl Timer {
         }
     }
 
+    /// Milliseconds of each pass, mean of the last frames in which it ran.
+    pub fn recent(&self) -> Vec<(&'static str, f64)> {
+        const LAST: usize = 30;
+        let mean = |times: &Vec<f64>| {
+            let last = &times[times.len().saturating_sub(LAST)..];
+            last.iter().sum::<f64>() / last.len().max(1) as f64
+        };
+        self.frames.iter().map(|(name, times)| (*name, mean(times))).collect()
+    }
+
     /// Median and 99th percentile of the frames in which a pass ran, milliseconds.
     pub fn summary(&self) -> BTreeMap<&'static str, [f64; 2]> {
         let of = |times: &Vec<f64>| {
@@ -129,7 +142,11 @@ fn add(frames: &mut BTreeMap<&'static str, Vec<f64>>, spans: impl IntoIterator<I
         *sums.entry(name).or_default() += milliseconds;
     }
     for (name, milliseconds) in sums {
-        frames.entry(name).or_default().push(milliseconds);
+        let times = frames.entry(name).or_default();
+        times.push(milliseconds);
+        if times.len() > KEPT {
+            times.drain(..KEPT / 2);
+        }
     }
 }
 

@@ -4,6 +4,8 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::lose::LoseDevice;
+use super::overlay::{self, Took};
 use super::statistics::Statistics;
 use super::{Options, PlayError, World};
 use crate::gpu::{Gpu, GpuError, texture};
@@ -12,21 +14,35 @@ use crate::render::{Now, Renderer, Settings};
 /// Seconds from frame to frame where nothing is said.
 const DT: f64 = 1.0 / 60.0;
 
-pub fn run(options: &Options, world: &World) -> Result<(), PlayError> {
+pub fn run(options: &Options, mut world: World) -> Result<(), PlayError> {
     let gpu = Arc::new(Gpu::headless()?);
     eprintln!("{}", gpu.name());
     can_draw(&gpu, options.size)?;
     let settings = Settings { wait: true, unlimited_gain: world.unlimited_gain, ..Settings::default() };
     let mut renderer = Renderer::new(gpu.clone(), world.transport.clone(), &world.assets, settings)?;
+    renderer.give_cubemaps(world.cubemaps.load(&world.scene));
     let display = texture::target(&gpu, "display", options.size, 1, wgpu::TextureFormat::Rgba8UnormSrgb);
-    let mut statistics = Statistics::default();
+    let mut statistics = Statistics::new(options.stats.as_deref());
+    let ended = draw_all(options, &mut world, &mut renderer, &display, &mut statistics);
+    statistics.finish(ended, Some(&renderer), &world, options.size)
+}
+
+fn draw_all(
+    options: &Options,
+    world: &mut World,
+    renderer: &mut Renderer,
+    display: &wgpu::Texture,
+    statistics: &mut Statistics,
+) -> Result<(), PlayError> {
+    let lose = LoseDevice::from_environment();
     let frames = options.frames.unwrap_or(1);
     for frame in 0..frames {
         let since = Instant::now();
+        lose.at(frame, renderer.gpu());
         let time = frame as f64 * options.fixed_dt.unwrap_or(DT);
+        world.follow(time);
         let world_from_local = world.placed_at(time);
-        let mut eye = world.eye(&world_from_local);
-        eye.exposure = options.exposure.unwrap_or(eye.exposure);
+        let eye = world.eye(&world_from_local).exposed(options.exposure);
         let now = Now {
             scene: &world.scene,
             assets: &world.assets,
@@ -35,17 +51,21 @@ pub fn run(options: &Options, world: &World) -> Result<(), PlayError> {
             eye,
             view: options.view,
         };
-        let drawn = renderer.draw(&now, &display)?;
-        statistics.add(drawn, since.elapsed());
+        let drawn = renderer.draw(&now, display)?;
+        world.after_frame(frame, renderer)?;
+        let took = Took { frame: since.elapsed(), cpu: None };
+        statistics.add(&drawn, took);
+        if options.overlay {
+            let title = format!("{} - {} - {time:.2} s", world.name, options.view.name());
+            let lines = overlay::told(&title, took, &drawn, &eye, renderer, world);
+            renderer.lay_over(lines, display);
+        }
         let due = frame % options.every.max(1) == 0 || frame + 1 == frames;
         if let Some(out) = options.out.as_ref().filter(|_| due) {
-            save(&gpu, &display, &out.join(format!("frame_{frame:05}.png")))?;
+            save(renderer.gpu(), display, &out.join(format!("frame_{frame:05}.png")))?;
         }
     }
-    match &options.stats {
-        Some(path) => statistics.write(path, &renderer, options.size),
-        None => Ok(()),
-    }
+    Ok(())
 }
 
 fn can_draw(gpu: &Gpu, size: [u32; 2]) -> Result<(), PlayError> {

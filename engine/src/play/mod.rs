@@ -1,7 +1,11 @@
 //! The runtime: a project's scene, alive, in a window or frame by frame into files.
 
+mod clock;
+mod cubemaps;
 mod fly;
 mod headless;
+mod lose;
+mod overlay;
 mod show;
 mod stage;
 mod statistics;
@@ -37,6 +41,10 @@ pub struct Options {
     pub view: View,
     /// Instead of the camera's.
     pub exposure: Option<f32>,
+    /// Pictures wait for the display.
+    pub vsync: bool,
+    /// Times and counts over the picture, from the start.
+    pub overlay: bool,
 }
 
 impl Options {
@@ -53,6 +61,8 @@ impl Options {
             stats: None,
             view: View::Composite,
             exposure: None,
+            vsync: true,
+            overlay: false,
         }
     }
 }
@@ -65,13 +75,6 @@ pub enum PlayError {
     Transport(#[from] TransportError),
     #[error(transparent)]
     Render(#[from] RenderError),
-    #[error("scene `{scene}` has no bake: run `hohlraum-bake {project} --scene {scene}`")]
-    Unbaked { project: String, scene: String },
-    #[error(
-        "the bake of scene `{scene}` is stale: static geometry, density, holes or probes have changed since; \
-         run `hohlraum-bake {project} --scene {scene}`"
-    )]
-    Stale { project: String, scene: String },
     #[error("{}: {message}", path.display())]
     Write { path: PathBuf, message: String },
     #[error("no window: {0}; `--headless` needs none")]
@@ -90,5 +93,5 @@ pub fn run(options: &Options) -> Result<(), PlayError> {
     for warning in warnings {
         eprintln!("warning: {warning}");
     }
-    if options.headless { headless::run(options, &world) } else { window::run(options, world) }
+    if options.headless { headless::run(options, world) } else { window::run(options, world) }
 }

@@ -1,79 +1,107 @@
-//! What a run cost, as JSON.
+//! What a run cost, as JSON. It is written whatever ends the run.
 
 use std::path::Path;
-use std::time::Duration;
 
 use serde_json::{Map, Value, json};
 
-use super::PlayError;
+use super::overlay::Took;
+use super::{PlayError, World};
 use crate::render::{Drawn, Renderer};
+use crate::scene::file::write_atomically;
 
-/// Of every frame.
-#[derive(Default)]
-pub struct Statistics {
+/// Of every frame, where somebody wants to know.
+pub struct Statistics<'a> {
+    to: Option<&'a Path>,
     frames: Vec<Drawn>,
-    seconds: Vec<f64>,
+    took: Vec<Took>,
 }
 
-impl Statistics {
-    pub fn add(&mut self, drawn: Drawn, took: Duration) {
-        self.frames.push(drawn);
-        self.seconds.push(took.as_secs_f64());
+impl<'a> Statistics<'a> {
+    pub fn new(to: Option<&'a Path>) -> Self {
+        Self { to, frames: Vec::new(), took: Vec::new() }
     }
 
-    pub fn write(&self, path: &Path, renderer: &Renderer, size: [u32; 2]) -> Result<(), PlayError> {
-        let text = format!("{:#}\n", self.json(renderer, size));
-        std::fs::write(path, text)
-            .map_err(|error| PlayError::Write { path: path.to_owned(), message: error.to_string() })
+    pub fn add(&mut self, drawn: &Drawn, took: Took) {
+        if self.to.is_some() {
+            self.frames.push(drawn.clone());
+            self.took.push(took);
+        }
     }
 
-    /// ```text
-    /// adapter, frames, size, timing: "gpu" or "cpu" (time to record)
-    /// passes   { NAME: { median_ms, p99_ms } }       frame { median_ms, p99_ms }, by the clock
-    /// patches, receivers, probes, sky_patches, rows, entries
-    /// bytes    { KIND: bytes on the GPU }
-    /// dispatches, products, draws, shadow_draws, bound   one a frame; bound is null where nothing was measured
-    /// left_out [ what, and why ]
-    /// ```
-    fn json(&self, renderer: &Renderer, size: [u32; 2]) -> Value {
-        let transport = renderer.transport();
-        let rows = [&transport.patch_from_patch, &transport.receiver_from_patch, &transport.probe_from_patch];
-        let passes: Map<String, Value> = renderer
-            .timer
-            .summary()
-            .into_iter()
-            .map(|(name, [median, p99])| (name.to_owned(), json!({ "median_ms": median, "p99_ms": p99 })))
-            .collect();
-        let bytes: Map<String, Value> =
-            renderer.bytes().into_iter().map(|(kind, bytes)| (kind.to_owned(), json!(bytes))).collect();
+    /// At the end, however it came: what ended the run is what is returned, and stands in the file.
+    pub fn finish(
+        &self,
+        ended: Result<(), PlayError>,
+        renderer: Option<&Renderer>,
+        world: &World,
+        size: [u32; 2],
+    ) -> Result<(), PlayError> {
+        let Some(path) = self.to else { return ended };
+        let failed = ended.as_ref().err().map(PlayError::to_string);
+        let mut all = self.of_frames(size, failed);
+        all.extend(renderer.map_or(Map::new(), |renderer| of_renderer(renderer, world)));
+        let text = format!("{:#}\n", Value::Object(all));
+        let written = write_atomically(path, text.as_bytes()).map_err(PlayError::from);
+        ended.and(written)
+    }
+
+    fn of_frames(&self, size: [u32; 2], failed: Option<String>) -> Map<String, Value> {
         let each = |value: fn(&Drawn) -> Value| self.frames.iter().map(value).collect::<Vec<_>>();
-        json!({
-            "adapter": renderer.gpu().name(),
+        let seconds = |took: &Took| took.frame.as_secs_f64();
+        let cpu: Vec<f64> = self.took.iter().filter_map(|took| Some(took.cpu?.as_secs_f64())).collect();
+        object(json!({
             "frames": self.frames.len(),
             "size": size,
-            "timing": if renderer.timer.on_gpu() { "gpu" } else { "cpu" },
-            "passes": passes,
-            "frame": { "median_ms": self.milliseconds(0.5), "p99_ms": self.milliseconds(0.99) },
-            "patches": transport.patches.len(),
-            "receivers": transport.receivers.len(),
-            "probes": transport.probes.len(),
-            "sky_patches": transport.sky_patches,
-            "rows": rows.iter().map(|rows| rows.len()).sum::<usize>(),
-            "entries": rows.iter().map(|rows| rows.entries()).sum::<usize>(),
-            "bytes": bytes,
+            "failed": failed,
+            "frame": spread(self.took.iter().map(seconds).collect()),
+            "cpu": spread(cpu),
             "dispatches": each(|frame| json!(frame.transport_dispatches)),
             "products": each(|frame| json!(frame.products)),
             "draws": each(|frame| json!(frame.draws)),
+            "captures": each(|frame| json!(frame.captures)),
             "shadow_draws": each(|frame| json!(frame.shadow_draws)),
             "bound": each(|frame| json!(frame.bound)),
-            "left_out": renderer.left_out(),
-        })
+        }))
     }
+}
 
-    fn milliseconds(&self, share: f64) -> f64 {
-        let mut sorted = self.seconds.clone();
-        sorted.sort_by(f64::total_cmp);
-        let at = (sorted.len().saturating_sub(1) as f64 * share).round() as usize;
-        sorted.get(at).map_or(0.0, |seconds| seconds * 1e3)
+fn of_renderer(renderer: &Renderer, world: &World) -> Map<String, Value> {
+    let transport = renderer.transport();
+    let rows = [&transport.patch_from_patch, &transport.receiver_from_patch, &transport.probe_from_patch];
+    let passes: Map<String, Value> = renderer
+        .timer
+        .summary()
+        .into_iter()
+        .map(|(name, [median, p99])| (name.to_owned(), json!({ "median_ms": median, "p99_ms": p99 })))
+        .collect();
+    let bytes: Map<String, Value> =
+        renderer.bytes().into_iter().map(|(kind, bytes)| (kind.to_owned(), json!(bytes))).collect();
+    let left_out: Vec<String> = world.left_out.iter().cloned().chain(renderer.left_out()).collect();
+    object(json!({
+        "adapter": renderer.gpu().name(),
+        "timing": if renderer.timer.on_gpu() { "gpu" } else { "cpu" },
+        "passes": passes,
+        "patches": transport.patches.len(),
+        "receivers": transport.receivers.len(),
+        "probes": transport.probes.len(),
+        "sky_patches": transport.sky_patches,
+        "rows": rows.iter().map(|rows| rows.len()).sum::<usize>(),
+        "entries": rows.iter().map(|rows| rows.entries()).sum::<usize>(),
+        "bytes": bytes,
+        "left_out": left_out,
+    }))
+}
+
+fn object(value: Value) -> Map<String, Value> {
+    if let Value::Object(map) = value { map } else { Map::new() }
+}
+
+/// Null where there is nothing.
+fn spread(mut seconds: Vec<f64>) -> Value {
+    seconds.sort_by(f64::total_cmp);
+    let at = |share: f64| seconds.get((seconds.len().saturating_sub(1) as f64 * share).round() as usize);
+    match (at(0.5), at(0.99)) {
+        (Some(median), Some(p99)) => json!({ "median_ms": median * 1e3, "p99_ms": p99 * 1e3 }),
+        _ => Value::Null,
     }
 }

@@ -1,19 +1,21 @@
 //! What is played: a scene with its assets and its bake, and where everything is at a time.
 
+use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 
 use super::PlayError;
-use crate::render::Eye;
+use super::cubemaps::Cubemaps;
+use crate::render::{Eye, Renderer};
 use crate::scene::assets::{Assets, ClipSource};
-use crate::scene::file::Quality;
 use crate::scene::import::load_assets;
 use crate::scene::motion::moved;
 use crate::scene::transform::world_from_local_of;
-use crate::scene::{Entity, Motion, Scene, Warning, file};
-use crate::transport::key::{BakeWith, transport_key};
+use crate::scene::{Changes, Entity, Motion, Scene, Warning, file};
+use crate::transport::key::{BakeWith, inputs};
+use crate::transport::stale::Stale;
 use crate::transport::{self, Transport};
 
 pub struct World {
@@ -21,8 +23,14 @@ pub struct World {
     pub scene: Scene,
     pub assets: Assets,
     pub transport: Arc<Transport>,
+    /// What of the scene has no baked light, and why.
+    pub left_out: Vec<String>,
     /// Albedo as authored, however long light bounces.
     pub unlimited_gain: bool,
+    /// Of baked reflection probes, on disk.
+    pub cubemaps: Cubemaps,
+    /// By entity: whether its light is on, as authored and as it was switched by hand.
+    lit: Vec<bool>,
     /// Metres across all that is drawn at the start.
     pub size: f64,
     /// Looked through where the scene has no camera.
@@ -37,16 +45,71 @@ impl World {
         let scene = file::load_scene(project, &name)?;
         let (assets, mut warnings) = load_assets(project, &scene)?;
         warnings.extend(transport::materials::warnings(&scene));
-        let transport = Arc::new(bake_of(project, &name, &scene)?);
-        let unlimited_gain = settings.bake.unlimited_gain;
+        let (mut transport, lacks) = bake_of(project, &name, &scene, &assets)?;
+        let remedy = format!("run `hohlraum-bake {} --scene {name}`", project.display());
+        let told =
+            lacks.iter().map(|lacks| Warning::new(format!("scene `{name}`"), format!("{lacks}; {remedy}")));
+        warnings.extend(told);
+        let left_out = lacks.iter().map(|lacks| format!("baked light: {lacks}")).collect();
         let (low, high) = extent(&scene, &assets, &transport);
+        if transport.surface.vertices.is_empty() {
+            transport.origin = origin_near((low + high) * 0.5);
+        }
+        let transport = Arc::new(transport);
+        let unlimited_gain = settings.bake.unlimited_gain;
         let (size, default_eye) = ((high - low).length(), Eye::framing(low, high));
-        Ok((Self { name, scene, assets, transport, unlimited_gain, size, default_eye }, warnings))
+        let lit = scene.entities.iter().map(|entity| entity.light.as_ref().is_some_and(|l| l.on)).collect();
+        let cubemaps = Cubemaps::new(project, &name, &scene, &transport);
+        let world = Self {
+            name,
+            scene,
+            assets,
+            transport,
+            left_out,
+            unlimited_gain,
+            cubemaps,
+            lit,
+            size,
+            default_eye,
+        };
+        Ok((world, warnings))
+    }
+
+    /// Keeps cubemaps that are finished; after the first frame, says which reflection probes show nothing.
+    pub fn after_frame(&self, frame: u64, renderer: &mut Renderer) -> Result<(), PlayError> {
+        if frame == 0 {
+            for (entity, message) in renderer.misplaced_probes() {
+                let name = self.scene.entity(entity).map_or("", |entity| &entity.name);
+                eprintln!("warning: reflection probe `{name}` shows nothing: {message}");
+            }
+        }
+        self.cubemaps.save(renderer)
     }
 
     /// `world_from_local` of every entity after so many seconds.
     pub fn placed_at(&self, seconds: f64) -> Vec<DAffine3> {
         placed_at(&self.scene, &self.assets, seconds)
+    }
+
+    /// Lights that switch by themselves are as they are after so many seconds.
+    pub fn follow(&mut self, seconds: f64) {
+        for (entity, &lit) in self.scene.entities.iter_mut().zip(&self.lit) {
+            let Some(light) = &mut entity.light else { continue };
+            light.on = lit && light.switching.is_none_or(|switching| switching.is_on(seconds));
+        }
+    }
+
+    /// Switches a light by its number, in the order of the hierarchy. Says what came of it; `None`: there are
+    /// fewer lights.
+    pub fn switch(&mut self, number: usize) -> Option<String> {
+        let lights =
+            self.scene.entities.iter().zip(&mut self.lit).filter(|(entity, _)| entity.light.is_some());
+        let (entity, lit) = { lights }.nth(number)?;
+        if entity.light.as_ref()?.changes == Changes::Never {
+            return Some(format!("light `{}` never changes, as the scene says", entity.name));
+        }
+        *lit = !*lit;
+        Some(format!("light `{}` is {}", entity.name, if *lit { "on" } else { "off" }))
     }
 
     /// The scene's camera, or a view of all that is there.
@@ -59,8 +122,10 @@ impl World {
 fn extent(scene: &Scene, assets: &Assets, transport: &Transport) -> (DVec3, DVec3) {
     let still = transport.surface.vertices.iter().map(|v| transport.origin + v.position.as_dvec3());
     let world_from_local = placed_at(scene, assets, 0.0);
+    let baked: HashSet<_> = transport.surface.batches.iter().map(|batch| batch.entity()).collect();
     let moving = scene.entities.iter().zip(&world_from_local).flat_map(|(entity, world)| {
-        let renderer = entity.mesh.as_ref().filter(|_| !entity.is_static && !entity.hidden);
+        let is_drawn = !entity.hidden && !(entity.is_static && baked.contains(&entity.id));
+        let renderer = entity.mesh.as_ref().filter(|_| is_drawn);
         let mesh = renderer.and_then(|renderer| assets.meshes.get(&renderer.mesh));
         let positions = mesh.map_or(&[][..], |mesh| &mesh.positions);
         positions.iter().map(|position| world.transform_point3(position.as_dvec3()))
@@ -88,27 +153,45 @@ fn parent_from_local(entity: &Entity, assets: &Assets, seconds: f64) -> DAffine3
     moved(motion, &entity.transform, clip.map(Arc::as_ref), seconds).parent_from_local()
 }
 
-/// The bake on disk; nothing where there is nothing to bake.
-fn bake_of(project: &Path, name: &str, scene: &Scene) -> Result<Transport, PlayError> {
+/// What of the bake on disk fits the scene, and what it lacks, where it does.
+fn bake_of(
+    project: &Path,
+    name: &str,
+    scene: &Scene,
+    assets: &Assets,
+) -> Result<(Transport, Option<String>), PlayError> {
     let path = transport::file::path(project, name);
-    if path.is_file() {
-        let transport = transport::file::load(&path)?;
-        let certificate = &transport.certificate;
-        let with = BakeWith {
-            quality: Quality::default(), // a name for rays and length
-            rays: certificate.rays_per_row,
-            length: certificate.base_length,
-        };
-        if transport_key(project, scene, &with) != certificate.key {
-            let project = project.display().to_string();
-            return Err(PlayError::Stale { project, scene: name.to_owned() });
-        }
-        return Ok(transport);
+    if !path.is_file() {
+        let to_bake = |entity: &Entity| entity.is_static && entity.mesh.is_some() && !scene.is_hidden(entity);
+        let lacks = scene
+            .entities
+            .iter()
+            .any(to_bake)
+            .then(|| "it has no bake, only direct light is shown".to_owned());
+        return Ok((Transport::default(), lacks));
     }
-    let to_bake = |entity: &Entity| entity.is_static && entity.mesh.is_some() && !entity.hidden;
-    if scene.entities.iter().any(to_bake) {
-        let project = project.display().to_string();
-        return Err(PlayError::Unbaked { project, scene: name.to_owned() });
+    let mut transport = transport::file::load(&path)?;
+    let certificate = &transport.certificate;
+    if certificate.inputs.is_empty() {
+        let lacks = "its bake is of an older baker, all of it is stale and only direct light is shown";
+        return Ok((Transport::default(), Some(lacks.to_owned())));
     }
-    Ok(Transport::default())
+    let with = BakeWith {
+        quality: file::Quality::default(), // a name for rays and length
+        rays: certificate.rays_per_row,
+        length: certificate.base_length,
+    };
+    let stale = Stale::between(&certificate.inputs, &inputs(scene, assets, &with));
+    if stale.is_empty() {
+        return Ok((transport, None));
+    }
+    transport.leave_out(&stale);
+    Ok((transport, Some(format!("its bake is stale ({stale}), the rest keeps its baked light"))))
+}
+
+/// World coordinates are relative to it where no bake says to what: near enough for single precision, and the
+/// origin itself for scenes about it.
+fn origin_near(middle: DVec3) -> DVec3 {
+    const GRID: f64 = 256.0;
+    (middle / GRID).round() * GRID
 }

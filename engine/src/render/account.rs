@@ -1,17 +1,53 @@
 //! What a renderer says of itself: bound, bytes, what it leaves out; and its light, for tests and reports.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::frame::Renderer;
+use glam::DVec3;
+
+use super::RenderError;
+use super::frame::{FrameUniform, Renderer};
+use super::reflections::sight::Sight;
 use super::spaces::Spaces;
 use super::targets::Targets;
-use crate::gpu::Gpu;
+use crate::gpu::{Gpu, GpuError, buffer};
+use crate::scene::EntityId;
 use crate::transport::Transport;
+use crate::transport::reflection::Cube;
+
+/// How a picture was exposed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Exposed {
+    pub exposure: f32,
+    pub pre_exposure: f32,
+}
 
 impl Renderer {
     /// The error of B is at most this share of the largest B.
     pub fn bound(&self) -> Option<f32> {
         Some(self.bounce.measured?.bound(self.sources.known_gain()))
+    }
+
+    /// Cubemaps of baked reflection probes, from disk.
+    pub fn give_cubemaps(&mut self, cubes: HashMap<EntityId, Cube>) {
+        self.reflections.give(cubes);
+    }
+
+    /// Cubemaps of baked reflection probes that were captured since this was last asked.
+    pub fn finished_cubemaps(&mut self) -> Result<Vec<(EntityId, Cube)>, RenderError> {
+        Ok(self.reflections.finished(&self.gpu)?)
+    }
+
+    /// Reflection probes that show nothing, as they stand inside a solid: entity, and a better place.
+    pub fn misplaced_probes(&self) -> Vec<(EntityId, String)> {
+        let said = |(entity, sight, better): (EntityId, Sight, Option<DVec3>)| {
+            let seen = sight.backs * 100.0;
+            let remedy = better.map_or("move it out".to_owned(), |at| {
+                format!("move it, for instance to {:.2}, {:.2}, {:.2}", at.x, at.y, at.z)
+            });
+            (entity, format!("it stands inside a solid ({seen:.0} % of what it sees are backs): {remedy}"))
+        };
+        self.reflections.misplaced(self.transport.origin).map(said).collect()
     }
 
     pub fn gpu(&self) -> &Gpu {
@@ -37,13 +73,34 @@ impl Renderer {
         self.shadows.light_grid().mean_lights()
     }
 
+    /// Of the last picture: display = `exposure` * radiance, and it was drawn times `pre_exposure`. Blocks.
+    pub fn exposed(&self) -> Result<Exposed, GpuError> {
+        let frame: Vec<FrameUniform> = buffer::read(&self.gpu, &self.frame)?;
+        let FrameUniform { exposure, pre_exposure, .. } = frame[0];
+        Ok(Exposed { exposure, pre_exposure })
+    }
+
+    /// Writes lines over a picture that is drawn.
+    pub fn lay_over(&mut self, lines: Vec<String>, display: &wgpu::Texture) {
+        self.overlay.show(lines, 1);
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        self.overlay.draw(&self.gpu, &mut encoder, None, display);
+        self.gpu.queue.submit([encoder.finish()]);
+        self.overlay.show(Vec::new(), 1);
+    }
+
+    /// Stops of the automatic exposure, as metered a few frames ago.
+    pub fn metered(&self) -> Option<f32> {
+        self.exposure.stops
+    }
+
     /// Pages of patch rows.
     pub fn pages(&self) -> usize {
         self.bounce.pages()
     }
 
     /// Bytes on the GPU by kind.
-    pub fn bytes(&self) -> [(&'static str, u64); 8] {
+    pub fn bytes(&self) -> [(&'static str, u64); 10] {
         [
             ("rows", self.bounce.bytes() + self.gather.bytes()),
             ("light", self.spaces.bytes),
@@ -52,7 +109,9 @@ impl Renderer {
             ("meshes", self.meshes.bytes()),
             ("pictures", self.pictures.bytes),
             ("shadow maps", self.shadows.bytes()),
+            ("cubemaps", self.reflections.bytes()),
             ("targets", self.targets().map_or(0, Targets::bytes)),
+            ("overlay", self.overlay.bytes()),
         ]
     }
 
@@ -65,6 +124,9 @@ impl Renderer {
         }
         if !self.instances.any_moving() {
             left_out.push("light probes: nothing moves".to_owned());
+        }
+        if !self.reflections.any() {
+            left_out.push("reflection cubemaps: nothing smooth, or no probe and no sky".to_owned());
         }
         if self.coarse.bytes == 0 {
             left_out.push("coarse correction: few bounces count".to_owned());

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! lights and movers -> shadow maps -> direct light at patches (E) -> bounce (B) -> receivers, probes
-//!                   -> surfaces -> sky -> blended surfaces -> tonemap
+//!                   -> surfaces -> sky -> blended surfaces -> exposure -> tonemap -> overlay
 //! ```
 //! What did not change is not done again: shadow maps, E, the bounce once it is solved, the gathers.
 
@@ -15,20 +15,24 @@ use super::bounce::{Bounce, Measured, TOLERANCE};
 use super::casters::Casters;
 use super::coarse::Coarse;
 use super::direct::Direct;
+use super::exposure::{self, Exposure};
 use super::gather::{Gather, Source};
 use super::instances::Instances;
 use super::materials::Materials;
 use super::meshes::{Meshes, StillBuffers};
+use super::overlay::Overlay;
 use super::patches::Patches;
 use super::pictures::Pictures;
+use super::reflections::capture::Set;
+use super::reflections::{Captured, Reflections, Seen};
 use super::rows::{self, PagedRows, Summed};
 use super::shadow::{Camera, Shadows};
 use super::sky::SkyPass;
 use super::sources::Sources;
 use super::spaces::Spaces;
-use super::surface::{Scenery, Surfaces};
+use super::surface::{Look, Scenery, Surfaces, Which};
 use super::targets::{self, Targets};
-use super::tonemap::Tonemap;
+use super::tonemap::{self, Tonemap};
 use super::view::{Eye, View};
 use super::{RenderError, lights, shaders};
 use crate::gpu::pass::{self, Binding};
@@ -73,6 +77,8 @@ pub struct Drawn {
     pub products: u32,
     pub draws: u32,
     pub shadow_draws: u32,
+    /// Faces of cubemaps.
+    pub captures: u32,
     /// The error of B is at most this share of the largest B: measured last, which is before this frame's last
     /// product. `None`: nothing was measured yet.
     pub bound: Option<f32>,
@@ -95,12 +101,22 @@ pub struct FrameUniform {
     pub cascade_texels: Vec4,
     pub eye_depth: f32,
     pub encode: u32,
-    pub padding: [u32; 2],
+    pub pre_exposure: f32,
+    pub curve: u32,
+    pub capture: u32,
+    pub padding: [u32; 3],
 }
 
 /// Products of a frame while the light changes, and of the first one, which starts from darkness.
 const PRODUCTS: u32 = 2;
 const FIRST_PRODUCTS: u32 = 16;
+
+/// What is captured once waits until the error of light is below this share: of light that always moves, it is
+/// never 0.
+const SOLVED: f32 = 0.02;
+
+/// Read back by those who ask how a picture was exposed.
+const FRAME: wgpu::BufferUsages = wgpu::BufferUsages::UNIFORM.union(wgpu::BufferUsages::COPY_SRC);
 
 /// Long-lived pipelines and the bake on the GPU.
 pub struct Renderer {
@@ -121,10 +137,14 @@ pub struct Renderer {
     pub(super) bounce: Bounce,
     pub(super) coarse: Coarse,
     pub(super) gather: Gather,
+    pub(super) reflections: Reflections,
     pub(super) surfaces: Surfaces,
     pub(super) patches: Patches,
     pub(super) sky: SkyPass,
+    pub(super) exposure: Exposure,
     pub(super) tonemap: Tonemap,
+    /// Text over the picture.
+    pub overlay: Overlay,
     pub(super) frame: wgpu::Buffer,
     pub(super) frame_group: wgpu::BindGroup,
     pub(super) target: Option<(Targets, wgpu::BindGroup)>,
@@ -132,6 +152,9 @@ pub struct Renderer {
     pub(super) version: u64,
     /// Probes hold what is current.
     pub(super) probes_current: bool,
+    /// What captures show, and changes of the sky.
+    pub(super) seen: (Seen, u64),
+    moved: u64,
 }
 
 impl Renderer {
@@ -147,7 +170,7 @@ impl Renderer {
         let library = &mut shaders::library()?;
         let stages = wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE;
         let frame_layout = &pass::layout(gpu_ref, "frame", stages, &[Binding::Uniform]);
-        let frame = buffer::filled(gpu_ref, "frame", &[FrameUniform::zeroed()], wgpu::BufferUsages::UNIFORM);
+        let frame = buffer::filled(gpu_ref, "frame", &[FrameUniform::zeroed()], FRAME);
         let page = &rows::page_layout(gpu_ref);
         let summed = settings.summed.unwrap_or_else(|| Summed::best(gpu_ref));
         let paged = |what, rows| PagedRows::new(gpu_ref, page, what, rows);
@@ -173,17 +196,13 @@ impl Renderer {
             bounce: Bounce::new(gpu_ref, library, page, patch_rows, summed, &spaces)?,
             coarse: Coarse::new(gpu_ref, library, &spaces)?,
             gather: Gather::new(gpu_ref, library, page, read_rows, summed, &spaces)?,
-            surfaces: Surfaces::new(
-                gpu_ref,
-                library,
-                frame_layout,
-                scene_layout,
-                materials.layout(),
-                &spaces,
-            )?,
+            reflections: Reflections::new(gpu_ref, library, frame_layout)?,
+            surfaces: Surfaces::new(gpu_ref, library, frame_layout, scene_layout, materials.layout())?,
             patches: Patches::new(gpu_ref, library, frame_layout)?,
             sky: SkyPass::new(gpu_ref, library, frame_layout, &pictures)?,
+            exposure: Exposure::new(gpu_ref, library, frame_layout)?,
             tonemap: Tonemap::new(gpu_ref, library, frame_layout)?,
+            overlay: Overlay::new(gpu_ref, library)?,
             frame_group: pass::buffers(gpu_ref, "frame", frame_layout, &[&frame]),
             frame,
             shadows,
@@ -193,6 +212,8 @@ impl Renderer {
             target: None,
             version: 0,
             probes_current: false,
+            seen: (Seen::default(), 0),
+            moved: 0,
             transport,
             gpu,
         };
@@ -203,15 +224,14 @@ impl Renderer {
     /// Draws the scene as it is now into `display`.
     pub fn draw(&mut self, now: &Now<'_>, display: &wgpu::Texture) -> Result<Drawn, RenderError> {
         let gpu = &*self.gpu.clone();
-        self.bounce.receive();
-        self.timer.receive();
+        self.receive();
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
 
         // What stands where, what it is made of, what shines.
         let materials_changed = self.materials.update(gpu, now.assets, &mut self.pictures, now.scene);
         self.instances.update(gpu, now, &self.transport, &self.materials, &mut self.meshes);
         let lights = lights::placed(now, &self.instances, self.transport.origin);
-        self.sky.update(gpu, now.assets, &mut self.pictures, &now.scene.sky.kind, &lights);
+        let sky_changed = self.sky.update(gpu, now.assets, &mut self.pictures, &now.scene.sky.kind, &lights);
         let emitted = self.sources.update(gpu, now, materials_changed, &self.spaces, &mut self.coarse)?;
 
         // What the lights see.
@@ -226,19 +246,28 @@ impl Renderer {
         let in_grid = !self.settings.no_light_grid;
         let shadowed =
             self.shadows.update(gpu, &mut encoder, &mut self.timer, &lights, &casters, &camera, in_grid);
-        self.write_frame(gpu, now, display);
+        let uniform = self.write_frame(gpu, now, display);
 
         // Light on patches, then from patch to patch, then to receivers and probes.
         let changed = shadowed.changed || emitted.albedo || emitted.emission;
         let mut drawn = self.light(&mut encoder, changed, emitted.emission);
 
+        // What reflection probes see.
+        let stirred = shadowed.changed || materials_changed || drawn.transport_dispatches > 0;
+        self.follow(stirred, sky_changed);
+        let settled = drawn.transport_dispatches == 0 || self.bound().is_some_and(|bound| bound <= SOLVED);
+        let captured = self.reflect(gpu, &mut encoder, now, uniform, settled);
+        drawn.captures = captured.faces;
+
         // The picture.
         drawn.shadow_draws = shadowed.draws;
-        drawn.draws = shadowed.draws + self.paint(gpu, &mut encoder, now, display);
+        drawn.draws = shadowed.draws + captured.draws + self.paint(gpu, &mut encoder, now, display);
         self.timer.resolve(&mut encoder);
         gpu.queue.submit([encoder.finish()]);
         self.timer.sent();
         self.bounce.sent();
+        self.reflections.sent();
+        self.exposure.sent();
         self.finish(gpu)?;
         drawn.bound = self.bound();
         Ok(drawn)
@@ -267,7 +296,54 @@ impl Renderer {
         Drawn { transport_dispatches: dispatches, products, ..Drawn::default() }
     }
 
-    /// Surfaces, sky, blended surfaces, tonemap. Returns the draws.
+    /// Counts what captures show.
+    fn follow(&mut self, stirred: bool, sky_changed: bool) {
+        let (seen, sky) = &mut self.seen;
+        // The first sky is a change, too.
+        *sky += u64::from(sky_changed || *sky == 0);
+        seen.still += u64::from(stirred || sky_changed);
+        let moved = self.instances.signature();
+        seen.moving += u64::from(self.moved != moved);
+        self.moved = moved;
+    }
+
+    /// Reflection probes: who reads which, and the captures that are due.
+    fn reflect(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        now: &Now<'_>,
+        frame: FrameUniform,
+        settled: bool,
+    ) -> Captured {
+        self.reflections.update(gpu, now, &self.instances, &self.transport);
+        self.surfaces.bind(gpu, &self.spaces, &self.reflections);
+        let scenery = Scenery {
+            scene: self.shadows.scene_group(),
+            instances: &self.instances,
+            still: &self.still,
+            meshes: &self.meshes,
+            materials: &self.materials,
+        };
+        let mut set = Set {
+            gpu,
+            timer: &mut self.timer,
+            surfaces: &mut self.surfaces,
+            sky: &mut self.sky,
+            scenery: &scenery,
+            // Kept from picture to picture, however those are exposed.
+            frame: FrameUniform {
+                view: View::Composite as u32,
+                pre_exposure: 1.0,
+                cascade_ends: Vec4::ZERO,
+                capture: 1,
+                ..frame
+            },
+        };
+        self.reflections.capture(encoder, &mut set, self.seen, settled)
+    }
+
+    /// Surfaces, sky and blended surfaces; exposure, tone curve, overlay. Returns the draws.
     fn paint(
         &mut self,
         gpu: &Gpu,
@@ -279,42 +355,83 @@ impl Renderer {
         if self.target.as_ref().is_none_or(|(targets, _)| targets.size != size) {
             let targets = Targets::new(gpu, size, self.samples);
             let group = self.tonemap.group(gpu, &targets);
+            self.exposure.bind(gpu, &targets);
             self.target = Some((targets, group));
         }
+        let mut draws = self.expose(gpu, encoder, now, size);
+        let Some(target) = &self.target else { return draws };
+        self.tonemap.draw(gpu, encoder, &mut self.timer, &self.frame_group, target, display);
+        draws += 1 + self.overlay.draw(gpu, encoder, Some(&mut self.timer), display);
+        draws
+    }
+
+    /// Draws radiance and settles how it is exposed. The first picture of an automatic exposure is drawn twice:
+    /// nothing is known before of how bright it is. Returns the draws.
+    fn expose(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        now: &Now<'_>,
+        size: [u32; 2],
+    ) -> u32 {
+        let Some(auto) = now.eye.auto_exposure.filter(|_| now.view.shows_light()) else {
+            self.exposure.forget();
+            return self.radiance(gpu, encoder, now);
+        };
+        let first = self.exposure.begin(gpu, &auto, size, now.time, self.settings.wait);
+        let mut draws = 0;
+        for _ in 0..1 + u32::from(first) {
+            self.exposure.set_pre_exposure(encoder, &self.frame);
+            draws += self.radiance(gpu, encoder, now);
+            let Some((targets, _)) = &self.target else { break };
+            self.exposure.run(encoder, &mut self.timer, (&self.frame, &self.frame_group), targets);
+        }
+        self.exposure.report(encoder);
+        draws
+    }
+
+    /// Surfaces, sky, blended surfaces. Returns the draws.
+    fn radiance(&mut self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, now: &Now<'_>) -> u32 {
         let Some(target) = &self.target else { return 0 };
+        let size = target.0.size;
         let scenery = Scenery {
-            frame: &self.frame_group,
             scene: self.shadows.scene_group(),
             instances: &self.instances,
             still: &self.still,
             meshes: &self.meshes,
             materials: &self.materials,
-            eye: (now.eye.position - self.transport.origin).as_vec3(),
+        };
+        let origin = self.transport.origin;
+        let look = Look {
+            frame: &self.frame_group,
+            clip_from_world: now.eye.clip_from_world(origin, size[0] as f32 / size[1].max(1) as f32),
+            eye: (now.eye.position - origin).as_vec3(),
+            samples: self.samples,
+            mirrored: false,
         };
         let mut pass = target.0.begin(encoder, self.timer.render("surface"));
-        let mut draws = 1;
+        let mut draws = 0;
         if now.view.shows_patches() {
             let shown = |batch: usize| scenery.instances.draws[batch].shown;
             draws +=
                 self.patches.draw(gpu, &mut pass, &self.frame_group, &self.transport, shown, self.samples);
         } else {
-            draws += self.surfaces.draw(gpu, &mut pass, &scenery, false, self.samples);
+            let all = Which { blended: false, still: true, moving: true };
+            draws += self.surfaces.draw(gpu, &mut pass, &scenery, &look, all);
             if now.view.shows_sky() {
                 draws += self.sky.draw(gpu, &mut pass, &self.frame_group, self.samples);
             }
-            draws += self.surfaces.draw(gpu, &mut pass, &scenery, true, self.samples);
+            draws += self.surfaces.draw(gpu, &mut pass, &scenery, &look, Which { blended: true, ..all });
         }
-        drop(pass);
-        let timer = &mut self.timer;
-        self.tonemap.draw(gpu, encoder, timer, &self.frame_group, target, display);
         draws
     }
 
-    fn write_frame(&self, gpu: &Gpu, now: &Now<'_>, display: &wgpu::Texture) {
+    fn write_frame(&self, gpu: &Gpu, now: &Now<'_>, display: &wgpu::Texture) -> FrameUniform {
         let aspect = display.width() as f32 / display.height().max(1) as f32;
         let origin = self.transport.origin;
         let (eye, [forward, right, up]) = now.eye.rays(origin, aspect);
         let (slices, cascade_texels) = self.shadows.cascades();
+        let shows_light = now.view.shows_light();
         let uniform = FrameUniform {
             clip_from_world: now.eye.clip_from_world(origin, aspect),
             eye,
@@ -328,9 +445,13 @@ impl Renderer {
             cascade_texels,
             eye_depth: slices.eye,
             encode: u32::from(!display.format().is_srgb()),
-            padding: [0; 2],
+            pre_exposure: if shows_light { exposure::pre_exposure(now.eye.exposure) } else { 1.0 },
+            curve: tonemap::curve_of(now.view, now.eye.tonemap),
+            capture: 0,
+            padding: [0; 3],
         };
         gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
+        uniform
     }
 
     fn finish(&mut self, gpu: &Gpu) -> Result<(), RenderError> {
@@ -341,9 +462,16 @@ impl Renderer {
             let _ = gpu.device.poll(wgpu::PollType::Poll);
         }
         gpu.check()?;
-        self.bounce.receive();
-        self.timer.receive();
+        self.receive();
         Ok(())
+    }
+
+    /// Takes in what has come back from the GPU.
+    fn receive(&mut self) {
+        self.bounce.receive();
+        self.reflections.receive();
+        self.timer.receive();
+        self.exposure.receive();
     }
 }
 

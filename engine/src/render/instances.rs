@@ -1,6 +1,7 @@
-//! What is drawn now: batches of the baked surface, and meshes of everything that moves.
+//! What is drawn now: batches of the baked surface, and meshes of everything that moves or is in no bake.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::ops::Range;
 
 use bytemuck::{Pod, Zeroable};
@@ -12,7 +13,7 @@ use super::meshes::Meshes;
 use crate::gpu::Gpu;
 use crate::gpu::buffer::Held;
 use crate::scene::{Alpha, EntityId, MaterialId, Scene};
-use crate::transport::Transport;
+use crate::transport::{Batch, Transport};
 
 /// The per-instance attributes of `Moving` in `scene/mesh.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -28,6 +29,8 @@ pub struct Instance {
 /// Triangles with one material at one place.
 #[derive(Clone, Debug)]
 pub struct Draw {
+    /// Into the scene's; `None`: no more there.
+    pub entity: Option<usize>,
     /// `None`: the baked surface.
     pub mesh: Option<usize>,
     /// Into the instances, for what moves.
@@ -59,6 +62,8 @@ pub struct Instances {
     pub buffer: Held<Instance>,
     items: Vec<Instance>,
     index_of: HashMap<EntityId, usize>,
+    /// Static entities that the bake lights.
+    baked: HashSet<EntityId>,
     /// Sphere about each batch of the baked surface.
     batches: Vec<(Vec3, f32)>,
 }
@@ -80,6 +85,7 @@ impl Instances {
             buffer: Held::new(gpu, "instances", wgpu::BufferUsages::VERTEX),
             items: Vec::new(),
             index_of: HashMap::new(),
+            baked: surface.batches.iter().map(Batch::entity).collect(),
             batches,
         }
     }
@@ -110,6 +116,16 @@ impl Instances {
         self.index_of.get(&entity).is_none_or(|&index| self.hidden[index])
     }
 
+    /// A number for all that is drawn: where what moves stands, what is shown, and of which material.
+    pub fn signature(&self) -> u64 {
+        let mut hasher = DefaultHasher::new();
+        for draw in &self.draws {
+            (draw.mesh, draw.shown, draw.material, &draw.indices).hash(&mut hasher);
+        }
+        bytemuck::cast_slice::<_, u8>(&self.items).hash(&mut hasher);
+        hasher.finish()
+    }
+
     /// Whether anything is drawn that the bake does not light.
     pub fn any_moving(&self) -> bool {
         !self.items.is_empty()
@@ -124,6 +140,7 @@ impl Instances {
             let shown = renderer.is_some();
             let material = materials.index(MaterialId(batch.material));
             self.draws.push(Draw {
+                entity,
                 mesh: None,
                 instance: 0,
                 indices: batch.first * 3..(batch.first + batch.count) * 3,
@@ -149,7 +166,9 @@ impl Instances {
         index: usize,
     ) {
         let entity = &now.scene.entities[index];
-        let Some(renderer) = entity.mesh.as_ref().filter(|_| !entity.is_static && !self.hidden[index]) else {
+        // What is static, but not in the bake, is drawn as if it moved.
+        let is_baked = entity.is_static && self.baked.contains(&entity.id);
+        let Some(renderer) = entity.mesh.as_ref().filter(|_| !is_baked && !self.hidden[index]) else {
             return;
         };
         let Some(mesh_index) = meshes.find(gpu, now.assets, &renderer.mesh) else { return };
@@ -167,6 +186,7 @@ impl Instances {
             let id = renderer.materials.get(at).or(renderer.materials.last()).copied();
             let material = id.map_or(0, |id| materials.index(id));
             self.draws.push(Draw {
+                entity: Some(index),
                 mesh: Some(mesh_index),
                 instance,
                 indices: primitive.first..primitive.first + primitive.count,

@@ -4,7 +4,7 @@ use crate::gpu::GpuError;
 use crate::gpu::shader::{Library, Source};
 
 /// Files that others import; each stands behind those that it imports itself.
-pub const IMPORTED: [Source; 7] = [
+pub const IMPORTED: [Source; 8] = [
     Source { name: "frame", text: include_str!("../../../shaders/frame.wgsl") },
     Source { name: "scene/mesh", text: include_str!("../../../shaders/scene/mesh.wgsl") },
     Source { name: "scene/material", text: include_str!("../../../shaders/scene/material.wgsl") },
@@ -12,11 +12,14 @@ pub const IMPORTED: [Source; 7] = [
     Source { name: "transport/patch", text: include_str!("../../../shaders/transport/patch.wgsl") },
     Source { name: "transport/rows", text: include_str!("../../../shaders/transport/rows.wgsl") },
     Source { name: "transport/sh", text: include_str!("../../../shaders/transport/sh.wgsl") },
+    Source { name: "scene/reflection", text: include_str!("../../../shaders/scene/reflection.wgsl") },
 ];
 
 /// One file a pass.
-pub const PASSES: [Source; 11] =
-    [SHADOW, DIRECT, BOUNCE, COARSE, GATHER, MEAN, SURFACE, PATCHES, SKY, TONEMAP, MIPMAP];
+pub const PASSES: [Source; 14] = [
+    SHADOW, DIRECT, BOUNCE, COARSE, GATHER, MEAN, PREFILTER, SURFACE, PATCHES, SKY, EXPOSURE, TONEMAP,
+    OVERLAY, MIPMAP,
+];
 
 pub const SHADOW: Source = Source { name: "shadow", text: include_str!("../../../shaders/shadow.wgsl") };
 pub const DIRECT: Source =
@@ -29,10 +32,15 @@ pub const GATHER: Source =
     Source { name: "transport/gather", text: include_str!("../../../shaders/transport/gather.wgsl") };
 pub const MEAN: Source =
     Source { name: "transport/mean", text: include_str!("../../../shaders/transport/mean.wgsl") };
+pub const PREFILTER: Source =
+    Source { name: "prefilter", text: include_str!("../../../shaders/prefilter.wgsl") };
 pub const SURFACE: Source = Source { name: "surface", text: include_str!("../../../shaders/surface.wgsl") };
 pub const PATCHES: Source = Source { name: "patches", text: include_str!("../../../shaders/patches.wgsl") };
 pub const SKY: Source = Source { name: "sky", text: include_str!("../../../shaders/sky.wgsl") };
+pub const EXPOSURE: Source =
+    Source { name: "exposure", text: include_str!("../../../shaders/exposure.wgsl") };
 pub const TONEMAP: Source = Source { name: "tonemap", text: include_str!("../../../shaders/tonemap.wgsl") };
+pub const OVERLAY: Source = Source { name: "overlay", text: include_str!("../../../shaders/overlay.wgsl") };
 pub const MIPMAP: Source = Source { name: "mipmap", text: include_str!("../../../shaders/mipmap.wgsl") };
 
 pub fn library() -> Result<Library, GpuError> {

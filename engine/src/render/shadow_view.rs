@@ -91,7 +91,7 @@ impl Seen {
 }
 
 /// Whether a sphere is inside the sides of a view, or across them.
-fn in_sight(clip_from_world: &Mat4, centre: Vec3, radius: f32) -> bool {
+pub fn in_sight(clip_from_world: &Mat4, centre: Vec3, radius: f32) -> bool {
     let row = |i| clip_from_world.row(i);
     let planes = [row(3) + row(0), row(3) - row(0), row(3) + row(1), row(3) - row(1)];
     planes.iter().all(|plane| plane.dot(centre.extend(1.0)) >= -radius * plane.truncate().length())

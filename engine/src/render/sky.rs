@@ -1,5 +1,7 @@
 //! The sky behind the scene.
 
+use std::collections::HashMap;
+
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -31,7 +33,8 @@ pub struct SkyUniform {
 
 pub struct SkyPass {
     module: wgpu::ShaderModule,
-    pipeline: Option<(u32, wgpu::RenderPipeline)>,
+    /// By samples a pixel.
+    pipelines: HashMap<u32, wgpu::RenderPipeline>,
     pipeline_layout: wgpu::PipelineLayout,
     layout: wgpu::BindGroupLayout,
     uniform: wgpu::Buffer,
@@ -63,7 +66,7 @@ impl SkyPass {
         });
         Ok(Self {
             module: library.module(gpu, shaders::SKY)?,
-            pipeline: None,
+            pipelines: HashMap::new(),
             pipeline_layout: pass::pipeline_layout(gpu, &[Some(frame_layout), None, None, Some(&layout)]),
             group: group(gpu, &layout, &uniform, &pictures.white(), &sampler),
             layout,
@@ -74,7 +77,7 @@ impl SkyPass {
         })
     }
 
-    /// Follows the scene's sky and the light that is its sun.
+    /// Follows the scene's sky and the light that is its sun. Returns whether it looks otherwise now.
     pub fn update(
         &mut self,
         gpu: &Gpu,
@@ -82,8 +85,9 @@ impl SkyPass {
         pictures: &mut Pictures,
         sky: &SkyKind,
         lights: &[PlacedLight],
-    ) {
+    ) -> bool {
         let (now, image) = uniform(sky, lights);
+        let changed = now != self.held || image != self.image.as_ref();
         if now != self.held {
             gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&now));
             self.held = now;
@@ -93,6 +97,7 @@ impl SkyPass {
             let view = pictures.view(gpu, assets, image, Encoding::Srgb);
             self.group = group(gpu, &self.layout, &self.uniform, &view, &self.sampler);
         }
+        changed
     }
 
     /// Returns the draws.
@@ -106,11 +111,10 @@ impl SkyPass {
         if self.held.kind == 0 {
             return 0;
         }
-        if self.pipeline.as_ref().is_none_or(|(made_for, _)| *made_for != samples) {
-            let made = pipeline(gpu, &self.module, &self.pipeline_layout, samples);
-            self.pipeline = Some((samples, made));
-        }
-        let Some((_, pipeline)) = &self.pipeline else { return 0 };
+        let pipeline = self
+            .pipelines
+            .entry(samples)
+            .or_insert_with(|| pipeline(gpu, &self.module, &self.pipeline_layout, samples));
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, frame, &[]);
         pass.set_bind_group(3, &self.group, &[]);

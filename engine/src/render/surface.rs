@@ -2,13 +2,15 @@
 
 use std::collections::HashMap;
 
-use glam::Vec3;
+use glam::{Mat4, Vec3};
 use wgpu::{VertexAttribute, VertexBufferLayout, VertexStepMode, vertex_attr_array};
 
 use super::instances::{Draw, Instance, Instances, Pass};
 use super::materials::Materials;
 use super::meshes::{Meshes, StillBuffers};
+use super::reflections::Reflections;
 use super::shaders;
+use super::shadow_view::in_sight;
 use super::spaces::Spaces;
 use super::targets;
 use crate::gpu::pass::{self, Binding};
@@ -95,27 +97,46 @@ struct Variant {
     blend: bool,
     cull: Option<wgpu::Face>,
     samples: u32,
+    mirrored: bool,
 }
 
 pub struct Surfaces {
     module: wgpu::ShaderModule,
     layout: wgpu::PipelineLayout,
+    light_layout: wgpu::BindGroupLayout,
     /// Made when first needed.
     pipelines: HashMap<Variant, wgpu::RenderPipeline>,
-    light: wgpu::BindGroup,
+    /// Group 2, and what it binds.
+    light: Option<([u64; 3], wgpu::BindGroup)>,
     order: Vec<usize>,
+}
+
+/// Where surfaces are looked at from, and on what they are drawn.
+pub struct Look<'a> {
+    pub frame: &'a wgpu::BindGroup,
+    pub clip_from_world: Mat4,
+    /// Relative to the transport's origin.
+    pub eye: Vec3,
+    pub samples: u32,
+    /// The picture is mirrored, as cubemaps are: front faces turn the other way.
+    pub mirrored: bool,
+}
+
+/// Which surfaces.
+#[derive(Clone, Copy, Debug)]
+pub struct Which {
+    pub blended: bool,
+    pub still: bool,
+    pub moving: bool,
 }
 
 /// What surfaces are drawn with.
 pub struct Scenery<'a> {
-    pub frame: &'a wgpu::BindGroup,
     pub scene: &'a wgpu::BindGroup,
     pub instances: &'a Instances,
     pub still: &'a StillBuffers,
     pub meshes: &'a Meshes,
     pub materials: &'a Materials,
-    /// Relative to the transport's origin.
-    pub eye: Vec3,
 }
 
 impl Surfaces {
@@ -125,49 +146,65 @@ impl Surfaces {
         frame_layout: &wgpu::BindGroupLayout,
         scene_layout: &wgpu::BindGroupLayout,
         material_layout: &wgpu::BindGroupLayout,
-        spaces: &Spaces,
     ) -> Result<Self, GpuError> {
+        use Binding::{Cubes, Picture, Read, Sampler, UniformSlot};
         let module = library.module(gpu, shaders::SURFACE)?;
-        let light_layout = pass::layout(gpu, "light", wgpu::ShaderStages::VERTEX, &[Binding::Read; 4]);
+        let light_layout = pass::layout(
+            gpu,
+            "light",
+            wgpu::ShaderStages::VERTEX_FRAGMENT,
+            &[Read, Read, Read, Read, UniformSlot, Read, Read, Cubes, Sampler, Picture],
+        );
         let groups = [Some(frame_layout), Some(scene_layout), Some(&light_layout), Some(material_layout)];
-        let [direct, indirect] = &spaces.receivers;
-        let [probes_direct, probes_indirect] = &spaces.probes;
         Ok(Self {
             module,
             layout: pass::pipeline_layout(gpu, &groups),
+            light_layout,
             pipelines: HashMap::new(),
-            light: pass::buffers(
-                gpu,
-                "light",
-                &light_layout,
-                &[direct, indirect, probes_direct, probes_indirect],
-            ),
+            light: None,
             order: Vec::new(),
         })
     }
 
-    /// Draws the opaque or the blended surfaces. Returns the draws.
+    /// Binds what surfaces read of light and reflections.
+    pub fn bind(&mut self, gpu: &Gpu, spaces: &Spaces, reflections: &Reflections) {
+        let generation = reflections.generation();
+        if self.light.as_ref().is_some_and(|(bound, _)| *bound == generation) {
+            return;
+        }
+        let light = spaces.receivers.iter().chain(&spaces.probes).map(wgpu::Buffer::as_entire_binding);
+        let resources: Vec<_> = light.chain(reflections.resources()).collect();
+        self.light = Some((generation, pass::group(gpu, "light", &self.light_layout, &resources)));
+    }
+
+    /// Draws the opaque or the blended surfaces that are in sight. Returns the draws.
     pub fn draw(
         &mut self,
         gpu: &Gpu,
         pass: &mut wgpu::RenderPass<'_>,
         scenery: &Scenery<'_>,
-        blended: bool,
-        samples: u32,
+        look: &Look<'_>,
+        which: Which,
     ) -> u32 {
-        self.sort(scenery, blended);
-        pass.set_bind_group(0, scenery.frame, &[]);
+        self.sort(scenery, look, which);
+        let Some((_, light)) = &self.light else { return 0 };
+        pass.set_bind_group(0, look.frame, &[]);
         pass.set_bind_group(1, scenery.scene, &[]);
-        pass.set_bind_group(2, &self.light, &[]);
         for &index in &self.order {
             let draw = &scenery.instances.draws[index];
-            let variant =
-                Variant { moving: draw.mesh.is_some(), blend: blended, cull: culled(draw), samples };
+            let variant = Variant {
+                moving: draw.mesh.is_some(),
+                blend: which.blended,
+                cull: culled(draw),
+                samples: look.samples,
+                mirrored: look.mirrored,
+            };
             let pipeline = self
                 .pipelines
                 .entry(variant)
                 .or_insert_with(|| pipeline(gpu, &self.module, &self.layout, variant));
             pass.set_pipeline(pipeline);
+            pass.set_bind_group(2, light, &[Reflections::offset(index)]);
             pass.set_bind_group(3, scenery.materials.group(draw.material), &[]);
             bind_mesh(pass, draw, scenery.still, scenery.meshes, scenery.instances, true);
             pass.draw_indexed(draw.indices.clone(), 0, 0..1);
@@ -176,16 +213,20 @@ impl Surfaces {
     }
 
     /// Opaque ones as they stand, blended ones from back to front.
-    fn sort(&mut self, scenery: &Scenery<'_>, blended: bool) {
+    fn sort(&mut self, scenery: &Scenery<'_>, look: &Look<'_>, which: Which) {
         let draws = &scenery.instances.draws;
         let chosen = |index: &usize| {
             let draw = &draws[*index];
-            draw.shown && !draw.indices.is_empty() && (draw.pass == Pass::Blend) == blended
+            let kind = if draw.mesh.is_some() { which.moving } else { which.still };
+            kind && draw.shown
+                && !draw.indices.is_empty()
+                && (draw.pass == Pass::Blend) == which.blended
+                && in_sight(&look.clip_from_world, draw.centre, draw.radius)
         };
         self.order.clear();
         self.order.extend((0..draws.len()).filter(chosen));
-        if blended {
-            let distance = |index: usize| draws[index].centre.distance_squared(scenery.eye);
+        if which.blended {
+            let distance = |index: usize| draws[index].centre.distance_squared(look.eye);
             self.order.sort_by(|&a, &b| distance(b).total_cmp(&distance(a)));
         }
     }
@@ -214,7 +255,11 @@ fn pipeline(
             compilation_options: Default::default(),
             buffers: vertex_layouts(variant.moving, true),
         },
-        primitive: wgpu::PrimitiveState { cull_mode: variant.cull, ..Default::default() },
+        primitive: wgpu::PrimitiveState {
+            cull_mode: variant.cull,
+            front_face: if variant.mirrored { wgpu::FrontFace::Cw } else { wgpu::FrontFace::Ccw },
+            ..Default::default()
+        },
         depth_stencil: Some(depth_state(!variant.blend)),
         multisample: wgpu::MultisampleState { count: variant.samples, ..Default::default() },
         fragment: Some(wgpu::FragmentState {
@@ -223,7 +268,7 @@ fn pipeline(
             compilation_options: Default::default(),
             targets: &[Some(wgpu::ColorTargetState {
                 format: targets::RADIANCE,
-                blend: variant.blend.then_some(wgpu::BlendState::ALPHA_BLENDING),
+                blend: variant.blend.then_some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
                 write_mask: wgpu::ColorWrites::ALL,
             })],
         }),

@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Mat4, Vec3, Vec4};
 
-use crate::scene::{Camera, Projection, Scene};
+use crate::scene::{AutoExposure, Camera, Projection, Scene, ToneCurve};
 
 /// What of the light a picture shows; numbered as in `frame.wgsl`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -14,6 +14,8 @@ pub enum View {
     Direct,
     /// All that bounced.
     Indirect,
+    /// What comes from cubemaps, or stands in for it.
+    Reflection,
     Albedo,
     Normal,
     /// Each patch in a colour of its own.
@@ -23,10 +25,11 @@ pub enum View {
 }
 
 impl View {
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Composite,
         Self::Direct,
         Self::Indirect,
+        Self::Reflection,
         Self::Albedo,
         Self::Normal,
         Self::Patches,
@@ -38,6 +41,7 @@ impl View {
             Self::Composite => "composite",
             Self::Direct => "direct",
             Self::Indirect => "indirect",
+            Self::Reflection => "reflection",
             Self::Albedo => "albedo",
             Self::Normal => "normal",
             Self::Patches => "patches",
@@ -53,6 +57,11 @@ impl View {
     /// Shows the sky behind the scene.
     pub fn shows_sky(self) -> bool {
         matches!(self, Self::Composite | Self::Direct)
+    }
+
+    /// Shows light, which is exposed and goes through the tone curve; others show what they show.
+    pub fn shows_light(self) -> bool {
+        matches!(self, Self::Composite | Self::Direct | Self::Indirect | Self::Reflection)
     }
 
     /// Shows patches instead of surfaces.
@@ -72,6 +81,9 @@ pub struct Eye {
     pub far: Option<f32>,
     /// Display = 2^exposure * radiance.
     pub exposure: f32,
+    /// Instead of `exposure`.
+    pub auto_exposure: Option<AutoExposure>,
+    pub tonemap: ToneCurve,
 }
 
 impl Eye {
@@ -87,6 +99,8 @@ impl Eye {
             near: camera.near,
             far: camera.far,
             exposure: camera.exposure,
+            auto_exposure: camera.auto_exposure,
+            tonemap: camera.tonemap,
         }
     }
 
@@ -95,8 +109,16 @@ impl Eye {
         let back = (position - at).normalize_or(DVec3::Z);
         let right = DVec3::Y.cross(back).normalize_or(DVec3::X);
         let rotation = DQuat::from_mat3(&DMat3::from_cols(right, back.cross(right), back));
-        let Camera { projection, near, far, exposure } = Camera::default();
-        Self { position, rotation, projection, near, far, exposure }
+        let world_from_local = DAffine3::from_rotation_translation(rotation, position);
+        Self::of_camera(&Camera::default(), &world_from_local)
+    }
+
+    /// With so many stops, whatever the camera says.
+    pub fn exposed(mut self, stops: Option<f32>) -> Self {
+        if let Some(stops) = stops {
+            (self.exposure, self.auto_exposure) = (stops, None);
+        }
+        self
     }
 
     /// The scene's camera, if it has one.

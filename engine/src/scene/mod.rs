@@ -24,11 +24,11 @@ mod validate;
 
 use serde::{Deserialize, Serialize};
 
-pub use camera::{Camera, Projection};
+pub use camera::{AutoExposure, Camera, Projection, ToneCurve};
 pub use density::Density;
 pub use entity::{Entity, EntityId, MeshRenderer, Reflection};
 pub use error::{SceneError, Warning};
-pub use light::{Light, LightKind};
+pub use light::{Light, LightKind, Switching};
 pub use light_probes::LightProbeGroup;
 pub use material::{Albedo, Alpha, Emission, ImageSource, Material, MaterialId, Texture};
 pub use mesh::{Mesh, MeshSource};

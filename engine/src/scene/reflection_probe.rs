@@ -8,11 +8,12 @@ use serde::{Deserialize, Serialize};
 pub struct ReflectionProbe {
     /// Pixels along a cube face.
     pub resolution: u32,
-    /// Half the box of influence, in the entity's space (metres), about `offset`.
+    /// Half the box of influence, in the entity's space (metres), about `offset`: the room whose walls the probe
+    /// shows. All of the box reads the probe.
     pub half_size: Vec3,
     #[serde(default)]
     pub offset: Vec3,
-    /// Metres inside the box over which the probe fades.
+    /// Metres beyond the box over which the probe fades. Thicker than a wall, it reaches the next room.
     pub blend_distance: f32,
     /// The higher one wins where boxes overlap.
     #[serde(default)]
@@ -49,7 +50,7 @@ impl Default for ReflectionProbe {
             resolution: 128,
             half_size: Vec3::splat(2.5),
             offset: Vec3::ZERO,
-            blend_distance: 0.5,
+            blend_distance: 0.25,
             importance: 0,
             box_projection: true,
             refresh: Refresh::OnChange,

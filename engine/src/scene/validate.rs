@@ -6,8 +6,8 @@ use std::collections::{HashMap, HashSet};
 use glam::Vec3;
 
 use super::{
-    Alpha, Entity, EntityId, Light, LightKind, Material, MaterialId, MeshRenderer, Motion, ReflectionProbe,
-    Scene, SceneError, Sky, SkyKind, Texture, Transform,
+    Alpha, Changes, Entity, EntityId, Light, LightKind, Material, MaterialId, MeshRenderer, Motion,
+    ReflectionProbe, Scene, SceneError, Sky, SkyKind, Texture, Transform,
 };
 
 /// Rotations have length 1, up to what a hand that types them rounds.
@@ -106,6 +106,13 @@ fn check_light(light: &Light) -> Result<(), String> {
         light.range.is_none_or(|range| range > 0.0),
         "its light's range has to be larger than 0, or none",
     )?;
+    if let Some(switching) = &light.switching {
+        switching.validate()?;
+        require(
+            light.changes != Changes::Never,
+            "its light never changes, but switches: let it change, or remove its switching",
+        )?;
+    }
     let LightKind::Spot { inner, outer } = light.kind else { return Ok(()) };
     let is_cone = inner >= 0.0 && inner <= outer && outer <= std::f32::consts::FRAC_PI_2 + 1e-6;
     require(is_cone, "its spot's angles have to be 0 <= inner <= outer <= 90 degrees")
@@ -131,7 +138,9 @@ fn check_reflection_probe(probe: &ReflectionProbe) -> Result<(), String> {
 fn check_motion(motion: &Motion) -> Result<(), String> {
     let is_finite = match motion {
         Motion::Spin { axis, radians_per_second } => axis.is_finite() && radians_per_second.is_finite(),
-        Motion::PingPong { points, seconds } => points.iter().all(|p| p.is_finite()) && seconds.is_finite(),
+        Motion::PingPong { points, seconds, .. } => {
+            points.iter().all(|p| p.is_finite()) && seconds.is_finite()
+        }
         Motion::Clip { speed, .. } => speed.is_finite(),
     };
     require(is_finite, "its motion holds numbers that are not finite: type new ones")
@@ -333,7 +342,8 @@ mod tests {
             (
                 "its motion",
                 Box::new(|s| {
-                    s.entities[0].motion = Some(Motion::PingPong { points: vec![], seconds: f64::NAN })
+                    s.entities[0].motion =
+                        Some(Motion::PingPong { points: vec![], seconds: f64::NAN, look: false })
                 }),
             ),
             ("`paint`: its emission's colour", Box::new(|s| s.materials[0].emission.color = -Vec3::X)),

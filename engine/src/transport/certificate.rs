@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::key::Input;
+
 /// Written into the bake and printed. Times, threads and texts lie outside the transport hash.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -9,6 +11,8 @@ pub struct Certificate {
     pub transport_hash: String,
     /// What it was baked from ([`super::key::transport_key`]).
     pub key: String,
+    /// The same part by part; empty in files of before there were such keys.
+    pub inputs: Vec<Input>,
     pub quality: String,
     pub rays_per_row: u32,
     /// Metres.

@@ -1,10 +1,17 @@
-//! What a bake depends on, as one hash: geometry, density, holes, probes and how it is baked. Lights, colours,
-//! emission and the sky's brightness are not in it: they change without a bake.
+//! What a bake depends on: geometry, density, holes, probes and how it is baked, each part with a key of its own,
+//! and one key of all. Lights, colours, emission and the sky's brightness are not in them: they change without a
+//! bake.
 
-use std::path::Path;
+use std::collections::HashMap;
 
+use glam::DAffine3;
+use serde::{Deserialize, Serialize};
+
+use crate::scene::assets::{Assets, Picture, Pixels};
 use crate::scene::file::Quality;
-use crate::scene::{Alpha, MeshSource, Scene, SkyKind, world_from_local};
+use crate::scene::{
+    Alpha, Entity, EntityId, ImageSource, Mesh, MeshRenderer, MeshSource, Scene, SkyKind, world_from_local,
+};
 
 /// How a scene is baked, settled.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,48 +24,142 @@ pub struct BakeWith {
 }
 
 /// Counts up whenever the same input bakes to other bytes.
-const METHOD: u32 = 2;
+const METHOD: u32 = 3;
 
-/// Two scenes with one key have the same transport. A file that cannot be read counts as absent.
-pub fn transport_key(project: &Path, scene: &Scene, with: &BakeWith) -> String {
-    let mut hasher = blake3::Hasher::new();
-    let mut add = |name: &str, bytes: &[u8]| {
-        hasher.update(name.as_bytes());
-        hasher.update(&(bytes.len() as u64).to_le_bytes());
-        hasher.update(bytes);
-    };
-    add("method", &METHOD.to_le_bytes());
-    add("with", format!("{:?}", (with.rays, with.length.to_bits())).as_bytes());
-    add("sky", &[u8::from(scene.sky.kind != SkyKind::None)]);
-    let mut files = std::collections::BTreeSet::new();
+/// One thing that a bake was made of.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Input {
+    pub what: What,
+    /// 0 for what belongs to no entity.
+    pub entity: EntityId,
+    /// For people.
+    pub name: String,
+    /// BLAKE3 of all that the bake takes from it.
+    pub key: String,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum What {
+    /// How the baker works, and what it was told.
+    Method,
+    /// Whether there is one.
+    Sky,
+    /// A static entity: its mesh, place, density, sides and holes.
+    Surface,
+    /// A group of light probes.
+    Probes,
+}
+
+/// All that a bake of the scene depends on. What the assets do not have counts as absent.
+pub fn inputs(scene: &Scene, assets: &Assets, with: &BakeWith) -> Vec<Input> {
+    let mut contents = Contents { assets, meshes: HashMap::new(), pictures: HashMap::new() };
+    let method = format!("{:?}", (METHOD, with.rays, with.length.to_bits()));
+    let mut inputs = vec![
+        general(What::Method, "how it is baked", &method),
+        general(What::Sky, "the sky", &format!("{}", scene.sky.kind != SkyKind::None)),
+    ];
     for (entity, world) in scene.entities.iter().zip(world_from_local(scene)) {
-        let place = format!("{:?}{:?}", entity.id, world.to_cols_array().map(f64::to_bits));
         if let Some(group) = &entity.light_probes {
-            add("probes", format!("{place}{:?}{}", group.positions, entity.hidden).as_bytes());
+            let taken = format!("{}{:?}{}", place(&world), group.positions, entity.hidden);
+            inputs.push(input(What::Probes, entity, &taken));
         }
-        let Some(renderer) = entity.mesh.as_ref().filter(|_| entity.is_static && !scene.is_hidden(entity))
-        else {
-            continue;
-        };
-        add("mesh", format!("{place}{:?}", renderer.mesh).as_bytes());
-        add("density", format!("{:?}", renderer.density).as_bytes());
-        if let MeshSource::File { file, .. } = &renderer.mesh {
-            files.insert(file.clone());
-        }
-        for material in renderer.materials.iter().map(|&id| (id, scene.material(id))) {
-            let (id, Some(material)) = material else { continue };
-            let sides = (id, material.double_sided, material.emission.sampled, material.alpha);
-            add("material", format!("{sides:?}").as_bytes());
-            if material.alpha != Alpha::Opaque {
-                add("alpha", format!("{:?}{:?}", material.opacity, material.albedo.texture).as_bytes());
-                files.extend(material.albedo.texture.iter().map(|texture| texture.image.file.clone()));
-            }
+        let drawn = entity.mesh.as_ref().filter(|_| entity.is_static && !scene.is_hidden(entity));
+        if let Some(renderer) = drawn {
+            let taken = format!("{}{}", place(&world), contents.surface(scene, renderer));
+            inputs.push(input(What::Surface, entity, &taken));
         }
     }
-    for file in files {
-        let bytes = std::fs::read(project.join(&file)).unwrap_or_default();
-        add("file", file.as_bytes());
-        add("bytes", blake3::hash(&bytes).as_bytes());
+    inputs
+}
+
+/// Two scenes with one key have the same transport.
+pub fn transport_key(inputs: &[Input]) -> String {
+    let all: Vec<_> = inputs.iter().map(|input| (input.what, input.entity, &input.key)).collect();
+    hash(&format!("{all:?}"))
+}
+
+fn general(what: What, name: &str, taken: &str) -> Input {
+    Input { what, entity: EntityId(0), name: name.to_owned(), key: hash(taken) }
+}
+
+fn input(what: What, entity: &Entity, taken: &str) -> Input {
+    Input { what, entity: entity.id, name: entity.name.clone(), key: hash(taken) }
+}
+
+fn hash(taken: &str) -> String {
+    blake3::hash(taken.as_bytes()).to_hex().to_string()
+}
+
+fn place(world: &DAffine3) -> String {
+    format!("{:?}", world.to_cols_array().map(f64::to_bits))
+}
+
+/// Hashes of meshes and pictures, each made once.
+struct Contents<'a> {
+    assets: &'a Assets,
+    meshes: HashMap<MeshSource, String>,
+    pictures: HashMap<ImageSource, String>,
+}
+
+impl Contents<'_> {
+    fn surface(&mut self, scene: &Scene, renderer: &MeshRenderer) -> String {
+        let mut taken = format!("{}{:?}", self.mesh(&renderer.mesh), renderer.density);
+        for material in renderer.materials.iter().filter_map(|&id| scene.material(id)) {
+            let sides = (material.id, material.double_sided, material.emission.sampled, material.alpha);
+            taken += &format!("{sides:?}");
+            if material.alpha == Alpha::Opaque {
+                continue;
+            }
+            taken += &format!("{:?}{:?}", material.opacity, material.albedo.texture);
+            if let Some(texture) = &material.albedo.texture {
+                taken += &self.picture(&texture.image);
+            }
+        }
+        taken
+    }
+
+    fn mesh(&mut self, source: &MeshSource) -> String {
+        let known = self.meshes.entry(source.clone());
+        known.or_insert_with(|| self.assets.meshes.get(source).map_or(String::new(), |m| of_mesh(m))).clone()
+    }
+
+    fn picture(&mut self, source: &ImageSource) -> String {
+        let known = self.pictures.entry(source.clone());
+        known
+            .or_insert_with(|| self.assets.images.get(source).map_or(String::new(), |p| of_picture(p)))
+            .clone()
+    }
+}
+
+fn of_mesh(mesh: &Mesh) -> String {
+    let primitives: Vec<u32> = mesh.primitives.iter().flat_map(|run| [run.first, run.count]).collect();
+    let uvs = mesh.uvs.each_ref().map(|uvs| uvs.as_deref().unwrap_or_default());
+    of_arrays(&[
+        bytemuck::cast_slice(&mesh.positions),
+        bytemuck::cast_slice(&mesh.normals),
+        bytemuck::cast_slice(mesh.tangents.as_deref().unwrap_or_default()),
+        bytemuck::cast_slice(uvs[0]),
+        bytemuck::cast_slice(uvs[1]),
+        bytemuck::cast_slice(mesh.colors.as_deref().unwrap_or_default()),
+        bytemuck::cast_slice(&mesh.indices),
+        bytemuck::cast_slice(&primitives),
+    ])
+}
+
+fn of_picture(picture: &Picture) -> String {
+    let pixels = match &picture.pixels {
+        Pixels::Rgba8(pixels) => bytemuck::cast_slice(pixels),
+        Pixels::Rgb32f(pixels) => bytemuck::cast_slice(pixels),
+    };
+    of_arrays(&[bytemuck::bytes_of(&[picture.width, picture.height]), pixels])
+}
+
+fn of_arrays(arrays: &[&[u8]]) -> String {
+    let mut hasher = blake3::Hasher::new();
+    for bytes in arrays {
+        hasher.update(&(bytes.len() as u64).to_le_bytes());
+        hasher.update(bytes);
     }
     hasher.finalize().to_hex().to_string()
 }

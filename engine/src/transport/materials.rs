@@ -6,7 +6,7 @@ use std::f32::consts::PI;
 use glam::{Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 
-use super::{Patch, Surface, Transport};
+use super::{NONE, Patch, Surface, Transport};
 use crate::scene::assets::Assets;
 use crate::scene::{Alpha, Material, MaterialId, Scene, Texture, Warning};
 
@@ -26,7 +26,11 @@ pub fn of_patches(transport: &Transport, scene: &Scene, assets: &Assets) -> Patc
         .patches
         .par_iter()
         .map(|patch| {
-            let id = MaterialId(transport.surface.batches[patch.batch as usize].material);
+            let id = transport.surface.batches[patch.batch as usize].material;
+            if id == NONE {
+                return (Vec3::ZERO, Vec3::ZERO); // of what is gone
+            }
+            let id = MaterialId(id);
             let material = scene.material(id).unwrap_or(&white);
             of_patch(&transport.surface, patch, material, assets)
         })

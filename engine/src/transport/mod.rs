@@ -18,15 +18,19 @@
 //!
 //! Everything here is geometry; albedo, emission, lights and sky are put in at run time.
 
+pub mod bvh;
 pub mod certificate;
 pub mod direct;
 pub mod file;
 pub mod key;
 pub mod materials;
+pub mod occluders;
+pub mod reflection;
 pub mod rows;
 pub mod sh;
 pub mod sky;
 pub mod solve;
+pub mod stale;
 pub mod surface;
 
 use bytemuck::{Pod, Zeroable};
@@ -34,6 +38,7 @@ use glam::{DVec3, Vec3};
 
 use crate::scene::EntityId;
 pub use certificate::Certificate;
+pub use occluders::Occluders;
 pub use rows::Rows;
 pub use surface::{Batch, Surface, Vertex};
 

@@ -54,6 +54,12 @@ pub struct Batch {
 }
 
 impl Batch {
+    /// Of an entity that has changed since the bake or is gone ([`super::Transport::leave_out`]): not drawn, and
+    /// in no light's way.
+    pub fn is_stale(&self) -> bool {
+        self.entity == [super::NONE; 2]
+    }
+
     pub fn entity(&self) -> crate::scene::EntityId {
         crate::scene::EntityId(u64::from(self.entity[0]) | u64::from(self.entity[1]) << 32)
     }

@@ -46,7 +46,7 @@ pub fn camera(gltf: &Gltf, node: &Node, lost: &mut Vec<String>) -> Option<Camera
         (_, Some(o)) => (Projection::Orthographic { half_height: o.ymag.abs() }, o.znear, Some(o.zfar)),
         (None, None) => return None,
     };
-    let camera = Camera { projection, near, far, exposure: 0.0 };
+    let camera = Camera { projection, near, far, ..Camera::default() };
     match camera.validate() {
         Ok(()) => Some(camera),
         Err(message) => {

@@ -5,13 +5,14 @@
 
 use std::time::Duration;
 
-use engine::transport::NONE;
 use glam::{Vec3, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::builder::build_cwbvh;
 use obvhs::ray::{Ray, RayHit};
+
+use super::NONE;
 
 /// A triangle of the scene by its number, and the share of the ray's way.
 #[derive(Clone, Copy, Debug)]
@@ -117,6 +118,11 @@ impl Bvh {
             t * (1.0 + f32::EPSILON)
         });
         best
+    }
+
+    /// Metres from the (moved) origin to a hit.
+    pub fn distance(&self, hit: &Hit) -> f32 {
+        hit.t / self.scale
     }
 
     /// Is the way from `from` (moved off its surface) to `to` free, but for the triangles that `to` lies on?
@@ -244,13 +250,13 @@ mod tests {
     #[test]
     fn fronts_are_fronts_from_every_side() {
         for axis in [Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z] {
-            let (u, v) = crate::directions::frame(axis);
+            let (u, v) = axis.any_orthonormal_pair();
             // Counter-clockwise seen from the origin means: its normal points back to the origin.
             let at = |x: f32, y: f32| -axis * 2.0 + u * x + v * y;
             let triangle = [at(-1.0, -1.0), at(1.0, -1.0), at(0.0, 1.0)];
             let bvh = Bvh::new(&[triangle], Vec::new());
             let hit = bvh.closest(Vec3::ZERO, Vec3::ZERO, -axis, 0.0, &Solid).unwrap();
-            assert!(!hit.back && (hit.t / bvh.scale - 2.0).abs() < 1e-5, "{axis}: {hit:?}");
+            assert!(!hit.back && (bvh.distance(&hit) - 2.0).abs() < 1e-5, "{axis}: {hit:?}");
             let hit = bvh.closest(-axis * 4.0, Vec3::ZERO, axis, 0.0, &Solid).unwrap();
             assert!(hit.back, "{axis}: {hit:?}");
         }

@@ -1,0 +1,72 @@
+//! Cubemaps that are captured once and kept: what came from disk, and what is to go there.
+
+use std::collections::HashMap;
+
+use glam::Vec3;
+
+use super::capture::Set;
+use super::{Probe, Reflections, Seen};
+use crate::gpu::{Gpu, GpuError, texture};
+use crate::scene::{EntityId, Refresh};
+use crate::transport::reflection::Cube;
+
+impl Reflections {
+    /// Cubemaps of baked probes, from disk: they need no capture.
+    pub fn give(&mut self, cubes: HashMap<EntityId, Cube>) {
+        self.given.extend(cubes);
+    }
+
+    /// Cubemaps of baked probes that were captured since this was last asked. Blocks where there are any.
+    pub fn finished(&mut self, gpu: &Gpu) -> Result<Vec<(EntityId, Cube)>, GpuError> {
+        let finished = self.probes.iter_mut().filter(|probe| {
+            probe.settings.refresh == Refresh::Baked && probe.schedule.is_done() && !probe.kept
+        });
+        finished
+            .map(|probe| {
+                probe.kept = true;
+                Ok((probe.entity, download(gpu, probe)?))
+            })
+            .collect()
+    }
+
+    pub(super) fn take_given(&mut self, encoder: &mut wgpu::CommandEncoder, set: &mut Set<'_>, seen: Seen) {
+        if self.given.is_empty() {
+            return;
+        }
+        for (index, probe) in self.probes.iter_mut().enumerate() {
+            let Some(cube) = self.given.remove(&probe.entity) else { continue };
+            if probe.settings.refresh == Refresh::Baked && cube.size() == probe.source.size as usize {
+                upload(set.gpu, &probe.source.texture, &cube);
+                self.prefilter.run(encoder, set.timer, &probe.source, &self.cubes.faces[index + 1]);
+                probe.schedule.keep(seen);
+                probe.kept = true;
+            }
+        }
+    }
+}
+
+/// Into the largest level.
+pub fn upload(gpu: &Gpu, texture: &wgpu::Texture, cube: &Cube) {
+    let size = cube.size() as u32;
+    for (face, texels) in (0..).zip(cube.texels().chunks_exact((size * size) as usize)) {
+        let halves: Vec<[u16; 4]> =
+            texels.iter().map(|texel| texel.extend(1.0).to_array().map(texture::half)).collect();
+        let origin = wgpu::Origin3d { x: 0, y: 0, z: face };
+        gpu.queue.write_texture(
+            wgpu::TexelCopyTextureInfo { origin, ..texture.as_image_copy() },
+            bytemuck::cast_slice(&halves),
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(size * 8), rows_per_image: None },
+            wgpu::Extent3d { width: size, height: size, depth_or_array_layers: 1 },
+        );
+    }
+}
+
+fn download(gpu: &Gpu, probe: &Probe) -> Result<Cube, GpuError> {
+    let mut texels = Vec::new();
+    for face in 0..6 {
+        let bytes = texture::read_layer(gpu, &probe.source.texture, [face, 0], 8)?;
+        let value = |at: &[u8]| texture::single(u16::from_le_bytes([at[0], at[1]]));
+        texels.extend(bytes.chunks_exact(8).map(|at| Vec3::new(value(at), value(&at[2..]), value(&at[4..]))));
+    }
+    Ok(Cube::new(probe.source.size as usize, texels))
+}

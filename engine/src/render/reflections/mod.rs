@@ -1,0 +1,431 @@
+//! Reflection probes: when each is captured, and what surfaces read of them.
+//!
+//! A probe's cubemap shows the scene as it is lit now, with the reflections of the last frame in it, so that
+//! mirrors in mirrors converge frame by frame; it is blurred for roughness and then read by surfaces. Probes are
+//! captured when what they see has changed, and a few times more while their own reflections settle.
+//!
+//! Cubemap 0 of the array is the sky's, cubemap k + 1 that of probe k.
+
+pub mod baked;
+pub mod capture;
+pub mod prefilter;
+mod schedule;
+mod settling;
+pub mod sight;
+pub mod uses;
+
+use std::collections::HashMap;
+
+use glam::{DVec3, Vec3};
+
+use super::frame::Now;
+use super::instances::Instances;
+use crate::gpu::buffer::{self, Held};
+use crate::gpu::shader::Library;
+use crate::gpu::{Gpu, GpuError, texture};
+use crate::scene::{EntityId, Material, ReflectionProbe};
+use crate::transport::reflection::influence::Influence;
+use crate::transport::reflection::{Cube, ROUGH, ggx};
+use crate::transport::{Occluders, Transport};
+use capture::{Room, Set, Shown, Views};
+use prefilter::{Faces, Prefilter, Source, faces, levels};
+pub use schedule::Seen;
+use schedule::{Due, Schedule};
+use settling::Settling;
+use sight::{Sight, look_around};
+use uses::{GpuReflectionProbe, Ranked, ReflectionUse};
+
+/// Texels across the table of [`ggx::table`].
+const TABLE: u32 = 64;
+/// Of a cube's face: at least two levels, at most what fits a console's memory.
+const SIZES: [u32; 2] = [16, 1024];
+/// Where there is a sky and no probe.
+const SKY_SIZE: u32 = 128;
+
+pub struct Reflections {
+    prefilter: Prefilter,
+    table: wgpu::TextureView,
+    cubes: Cubes,
+    sky: SkyCube,
+    probes: Vec<Probe>,
+    ranked: Ranked,
+    held: Held<GpuReflectionProbe>,
+    uses: Held<ReflectionUse>,
+    reads: Vec<ReflectionUse>,
+    views: Views,
+    settling: Settling,
+    /// Made when the first probe is there.
+    occluders: Option<Occluders>,
+    /// Cubemaps from disk that no probe has taken yet.
+    given: HashMap<EntityId, Cube>,
+    /// Counts arrays made.
+    made: u64,
+}
+
+/// The array that surfaces read.
+struct Cubes {
+    texture: wgpu::Texture,
+    view: wgpu::TextureView,
+    /// By cubemap and level.
+    faces: Vec<Vec<Faces>>,
+    harmonics: wgpu::Buffer,
+}
+
+struct SkyCube {
+    source: Option<(Source, Room)>,
+    /// What was captured of it.
+    seen: u64,
+}
+
+struct Probe {
+    entity: EntityId,
+    settings: ReflectionProbe,
+    source: Source,
+    room: Room,
+    schedule: Schedule,
+    /// From where it stands.
+    sight: Option<(Vec3, Sight)>,
+    /// What it shows is to be kept on disk, or is from there.
+    kept: bool,
+}
+
+/// What a frame's captures came to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Captured {
+    /// Faces of probes and sky.
+    pub faces: u32,
+    pub draws: u32,
+}
+
+impl Reflections {
+    pub fn new(
+        gpu: &Gpu,
+        library: &mut Library,
+        frame_layout: &wgpu::BindGroupLayout,
+    ) -> Result<Self, GpuError> {
+        let prefilter = Prefilter::new(gpu, library)?;
+        Ok(Self {
+            cubes: Cubes::new(gpu, 1, 2),
+            sky: SkyCube { source: None, seen: 0 },
+            prefilter,
+            views: Views::new(frame_layout),
+            settling: Settling::new(gpu, 2),
+            occluders: None,
+            given: HashMap::new(),
+            table: split_sum(gpu),
+            probes: Vec::new(),
+            ranked: Ranked::default(),
+            held: Held::new(gpu, "reflection probes", wgpu::BufferUsages::STORAGE),
+            uses: Held::new(gpu, "reflections", wgpu::BufferUsages::UNIFORM),
+            reads: Vec::new(),
+            made: 0,
+        })
+    }
+
+    /// Bindings 4 and up of group 2.
+    pub fn resources(&self) -> [wgpu::BindingResource<'_>; 6] {
+        [
+            wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                buffer: self.uses.buffer(),
+                offset: 0,
+                size: wgpu::BufferSize::new(uses::READ_BYTES),
+            }),
+            self.held.buffer().as_entire_binding(),
+            self.cubes.harmonics.as_entire_binding(),
+            wgpu::BindingResource::TextureView(&self.cubes.view),
+            wgpu::BindingResource::Sampler(self.prefilter.sampler()),
+            wgpu::BindingResource::TextureView(&self.table),
+        ]
+    }
+
+    /// Where a draw's [`ReflectionUse`] lies.
+    pub fn offset(draw: usize) -> u32 {
+        (draw * size_of::<ReflectionUse>()) as u32
+    }
+
+    /// Whether anything is captured at all.
+    pub fn any(&self) -> bool {
+        self.sky.source.is_some() || !self.probes.is_empty()
+    }
+
+    pub fn probe_count(&self) -> usize {
+        self.probes.len()
+    }
+
+    pub fn bytes(&self) -> u64 {
+        let cube = |texture: &wgpu::Texture| {
+            u64::from(texture.width()) * u64::from(texture.width()) * 8 * 4 / 3
+                * u64::from(texture.depth_or_array_layers())
+        };
+        let taken = |(source, room): (&Source, &Room)| cube(&source.texture) + room.bytes();
+        let probes = self.probes.iter().map(|probe| (&probe.source, &probe.room));
+        let sky = self.sky.source.iter().map(|(source, room)| (source, room));
+        cube(&self.cubes.texture) + probes.chain(sky).map(taken).sum::<u64>()
+    }
+
+    /// Follows probes and objects.
+    pub fn update(&mut self, gpu: &Gpu, now: &Now<'_>, instances: &Instances, transport: &Transport) {
+        let origin = transport.origin;
+        let (probes, with_sky) = wanted(now, instances, origin);
+        self.make_room(gpu, &probes, with_sky);
+        let influences = probes.iter().map(|wanted| (wanted.entity, wanted.influence)).collect();
+        self.ranked = Ranked::new(influences);
+        for (probe, wanted) in self.probes.iter_mut().zip(&probes) {
+            if probe.settings != *wanted.settings {
+                probe.settings = wanted.settings.clone();
+                probe.schedule.restart();
+            }
+        }
+        self.look(transport);
+        let groups = self.ranked.groups();
+        let described: Vec<GpuReflectionProbe> =
+            (0..probes.len()).map(|index| self.described(index, groups[index])).collect();
+        self.held.write(gpu, &described);
+        self.write_uses(gpu, now, instances, origin, with_sky);
+    }
+
+    /// Looks around from where probes stand now.
+    fn look(&mut self, transport: &Transport) {
+        for (probe, influence) in self.probes.iter_mut().zip(&self.ranked.influences) {
+            let at = influence.position;
+            if probe.sight.is_none_or(|(from, _)| from != at) {
+                let occluders = self.occluders.get_or_insert_with(|| Occluders::new(transport));
+                let moved = probe.sight.is_some();
+                probe.sight = Some((at, look_around(transport, occluders, at)));
+                if moved {
+                    probe.schedule.restart();
+                }
+            }
+        }
+    }
+
+    /// Probes that stand inside a solid and show nothing: what to tell the author, in world space.
+    pub fn misplaced(&self, origin: DVec3) -> impl Iterator<Item = (EntityId, Sight, Option<DVec3>)> + '_ {
+        self.probes.iter().filter_map(move |probe| {
+            let (_, sight) = probe.sight.filter(|(_, sight)| sight.is_inside())?;
+            Some((probe.entity, sight, sight.better.map(|better| origin + better.as_dvec3())))
+        })
+    }
+
+    /// Changes when what is bound is another buffer or texture.
+    pub fn generation(&self) -> [u64; 3] {
+        [self.held.generation, self.uses.generation, self.made]
+    }
+
+    /// Cubemaps for these probes; nothing is made where nothing is read.
+    fn make_room(&mut self, gpu: &Gpu, probes: &[Wanted<'_>], with_sky: bool) {
+        let now = self.probes.iter().map(|probe| (probe.entity, probe.source.size));
+        let same = now.eq(probes.iter().map(|wanted| (wanted.entity, wanted.size)));
+        if same && with_sky == self.sky.source.is_some() {
+            return;
+        }
+        self.made += 1;
+        let most = probes.iter().map(|wanted| wanted.size).max();
+        let any = with_sky || most.is_some();
+        let size = if any { most.unwrap_or(SKY_SIZE) } else { 1 };
+        let count = (probes.len() as u32 + 1).max(2);
+        self.cubes = Cubes::new(gpu, size, count);
+        self.settling = Settling::new(gpu, count);
+        let levels = levels(size);
+        let source = |index, size| self.prefilter.source(gpu, size, levels, &self.cubes.harmonics, index);
+        self.sky.seen = 0;
+        self.sky.source = with_sky.then(|| (source(0, size), Room::new(gpu, size)));
+        let probe = |(index, wanted): (u32, &Wanted<'_>)| Probe {
+            entity: wanted.entity,
+            settings: wanted.settings.clone(),
+            source: source(index, wanted.size),
+            room: Room::new(gpu, wanted.size),
+            schedule: Schedule::default(),
+            sight: None,
+            kept: false,
+        };
+        self.probes = (1..).zip(probes).map(probe).collect();
+    }
+
+    fn described(&self, index: usize, group: u32) -> GpuReflectionProbe {
+        let influence = &self.ranked.influences[index];
+        let (m, shift) = (influence.box_from_world.transpose(), influence.shift);
+        GpuReflectionProbe {
+            rows: [m.x_axis.extend(shift.x), m.y_axis.extend(shift.y), m.z_axis.extend(shift.z)],
+            position: influence.position,
+            fade: influence.fade,
+            half: influence.half,
+            unit: 1.0,
+            cube: index as u32 + 1,
+            group,
+            box_projection: u32::from(self.probes[index].settings.box_projection),
+            padding: 0,
+        }
+    }
+
+    fn write_uses(&mut self, gpu: &Gpu, now: &Now<'_>, instances: &Instances, origin: DVec3, with_sky: bool) {
+        let usable: Vec<bool> = self.probes.iter().map(Probe::is_usable).collect();
+        let sky = with_sky && self.sky.seen > 0;
+        let last_level = (self.cubes.texture.mip_level_count() - 1) as f32;
+        let reads = |draw| ReflectionUse {
+            last_level,
+            sky: u32::from(sky),
+            ..self.ranked.of(draw, now, origin, &usable)
+        };
+        self.reads.clear();
+        self.reads.extend(instances.draws.iter().map(reads));
+        self.uses.write(gpu, &self.reads);
+    }
+
+    /// Captures what is due. `seen` counts what captures show, `sky` changes of the sky (from 1); `settled`: light
+    /// is solved.
+    pub fn capture(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        set: &mut Set<'_>,
+        (seen, sky): (Seen, u64),
+        settled: bool,
+    ) -> Captured {
+        self.views.clear();
+        let mut captured = Captured::default();
+        self.capture_sky(encoder, set, sky, &mut captured);
+        for probe in &mut self.probes {
+            probe.schedule.follow(probe.settings.refresh, seen);
+        }
+        self.take_given(encoder, set, seen);
+        let mut schedules: Vec<_> =
+            self.probes.iter_mut().map(|probe| (&probe.settings, &mut probe.schedule)).collect();
+        let mut complete = Vec::new();
+        for due in schedule::plan(&mut schedules, settled) {
+            if self.capture_probe(encoder, set, &due, &mut captured) {
+                complete.push(due.probe);
+            }
+        }
+        if !complete.is_empty() {
+            self.settling.copy(encoder, &self.cubes.harmonics, (complete, seen));
+        }
+        captured
+    }
+
+    /// After the submit.
+    pub fn sent(&mut self) {
+        self.settling.sent();
+    }
+
+    /// Takes in what captures came to: those that do not differ from the ones before are the last.
+    pub fn receive(&mut self) {
+        for (probe, seen) in self.settling.settled() {
+            if let Some(probe) = self.probes.get_mut(probe) {
+                probe.schedule.settle(seen);
+            }
+        }
+    }
+
+    fn capture_sky(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        set: &mut Set<'_>,
+        seen: u64,
+        captured: &mut Captured,
+    ) {
+        let Some((source, room)) = &mut self.sky.source else { return };
+        if self.sky.seen == seen {
+            return;
+        }
+        self.sky.seen = seen;
+        for face in 0..6 {
+            let into = (&source.texture, &source.views[0][face]);
+            captured.draws +=
+                room.take(set, &mut self.views, encoder, face, (Vec3::ZERO, 0.1), into, Shown::Sky);
+            captured.faces += 1;
+        }
+        self.prefilter.run(encoder, set.timer, source, &self.cubes.faces[0]);
+    }
+
+    fn capture_probe(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        set: &mut Set<'_>,
+        due: &Due,
+        captured: &mut Captured,
+    ) -> bool {
+        let probe = &mut self.probes[due.probe];
+        let shown = match (due.on_top, probe.settings.refresh) {
+            (_, crate::scene::Refresh::Baked) => Shown::Still,
+            (true, _) => Shown::MovingOnTop,
+            (false, _) => Shown::All,
+        };
+        if !due.on_top {
+            probe.room.forget();
+        }
+        let place = (self.ranked.influences[due.probe].position, probe.near());
+        for face in due.first..due.end {
+            let into = (&probe.source.texture, &probe.source.views[0][face]);
+            captured.draws += probe.room.take(set, &mut self.views, encoder, face, place, into, shown);
+            captured.faces += 1;
+        }
+        let complete = probe.schedule.took(due);
+        if complete {
+            self.prefilter.run(encoder, set.timer, &probe.source, &self.cubes.faces[due.probe + 1]);
+        }
+        complete
+    }
+}
+
+impl Probe {
+    /// It holds a capture, and one that was not taken inside a solid.
+    fn is_usable(&self) -> bool {
+        self.schedule.taken && self.sight.is_none_or(|(_, sight)| !sight.is_inside())
+    }
+
+    /// Metres: before the nearest wall, so that it has no hole.
+    fn near(&self) -> f32 {
+        let nearest = self.sight.map_or(f32::INFINITY, |(_, sight)| sight.nearest);
+        self.settings.near.min(0.5 * nearest).max(1e-5)
+    }
+}
+
+impl Cubes {
+    fn new(gpu: &Gpu, size: u32, count: u32) -> Self {
+        let texture = texture::cubes(gpu, "reflections", size, count, levels(size));
+        Self {
+            view: texture::as_cubes(&texture, wgpu::TextureViewDimension::CubeArray),
+            faces: (0..count).map(|index| faces(&texture, index)).collect(),
+            harmonics: buffer::empty(gpu, "harmonics", u64::from(count) * 144, wgpu::BufferUsages::STORAGE),
+            texture,
+        }
+    }
+}
+
+/// A probe that takes part.
+struct Wanted<'a> {
+    entity: EntityId,
+    settings: &'a ReflectionProbe,
+    influence: Influence,
+    size: u32,
+}
+
+/// Probes and whether the sky is read: neither where nothing is smooth enough to show them.
+fn wanted<'a>(now: &Now<'a>, instances: &Instances, origin: DVec3) -> (Vec<Wanted<'a>>, bool) {
+    if !now.scene.materials.iter().any(is_smooth) {
+        return (Vec::new(), false);
+    }
+    let placed = now.scene.entities.iter().zip(now.world_from_local);
+    let probes =
+        placed.filter(|(entity, _)| !instances.is_hidden(entity.id)).filter_map(|(entity, world)| {
+            let settings = entity.reflection_probe.as_ref()?;
+            let influence = Influence::new(settings, world, origin)?;
+            let size = settings.resolution.clamp(SIZES[0], SIZES[1]).next_power_of_two();
+            Some(Wanted { entity: entity.id, settings, influence, size })
+        });
+    (probes.collect(), now.scene.sky.kind != crate::scene::SkyKind::None)
+}
+
+/// Shows reflections.
+pub fn is_smooth(material: &Material) -> bool {
+    !material.unlit && (material.roughness < ROUGH || material.metallic_roughness_texture.is_some())
+}
+
+fn split_sum(gpu: &Gpu) -> wgpu::TextureView {
+    let texels: Vec<[u16; 4]> = ggx::table(TABLE)
+        .into_iter()
+        .map(|[scale, bias]| [scale, bias, 0.0, 1.0].map(texture::half))
+        .collect();
+    texture::rgba16(gpu, "split sum", [TABLE, TABLE], &texels)
+        .create_view(&wgpu::TextureViewDescriptor { mip_level_count: Some(1), ..Default::default() })
+}

@@ -1,0 +1,449 @@
+//! Reflections against rays, closed forms and the CPU's twin.
+
+use std::f32::consts::PI;
+use std::sync::Arc;
+
+use engine::gpu::{Gpu, buffer, texture};
+use engine::render::reflections::baked::upload;
+use engine::render::reflections::prefilter::{Prefilter, faces, levels};
+use engine::render::{Eye, View, shaders};
+use engine::scene::mesh::Primitive;
+use engine::scene::shape::Shape;
+use engine::scene::{
+    Entity, EntityId, Faces, LightKind, Material, MaterialId, Mesh, MeshSource, ReflectionProbe, Refresh,
+    Scene, Sky, SkyKind, Transform,
+};
+use engine::transport::materials::of_patches;
+use engine::transport::reflection::{Cube, cube};
+use engine::transport::solve::{System, exact, gather};
+use engine::transport::{Transport, direct, sh};
+use glam::{DVec3, Vec3, Vec4};
+use tests::picture::{Studio, gpu};
+use tests::room;
+
+const LOW: Vec3 = Vec3::new(-2.0, 0.0, -1.5);
+const HIGH: Vec3 = Vec3::new(2.0, 2.5, 1.5);
+const N: u32 = 8;
+const LAMP: Vec3 = Vec3::new(0.9, 1.9, -0.6);
+
+fn centre() -> DVec3 {
+    ((LOW + HIGH) * 0.5).as_dvec3()
+}
+
+/// A painted room with a lamp, and a glowing wall.
+fn room_scene(transport: &Transport) -> Scene {
+    let mut scene = room::scene_of(transport, |wall| match wall {
+        0 => Vec3::new(0.7, 0.15, 0.1),
+        1 => Vec3::new(0.15, 0.6, 0.2),
+        _ => Vec3::new(0.6, 0.6, 0.65),
+    });
+    scene.materials[5].emission.color = Vec3::new(0.3, 0.4, 0.6);
+    scene.entities.push(room::light(100, LightKind::Point, 3.0, LAMP.as_dvec3(), DVec3::ZERO));
+    scene
+}
+
+/// A sphere that moves, of a material of its own.
+fn add_sphere(scene: &mut Scene, at: DVec3, diameter: f64, roughness: f32) {
+    scene.materials.push(Material {
+        id: MaterialId(900),
+        name: "mirror".to_owned(),
+        metallic: 1.0,
+        roughness,
+        ..Material::default()
+    });
+    let mut mesh = room::mesh(Shape::Sphere, 900);
+    mesh.casts_shadows = false;
+    scene.entities.push(Entity {
+        id: EntityId(900),
+        name: "sphere".to_owned(),
+        transform: Transform { translation: at, scale: DVec3::splat(diameter), ..Transform::default() },
+        mesh: Some(mesh),
+        ..Entity::default()
+    });
+}
+
+fn add_probe(scene: &mut Scene, id: u64, at: DVec3, probe: ReflectionProbe) {
+    scene.entities.push(Entity {
+        id: EntityId(id),
+        name: format!("probe {id}"),
+        transform: Transform { translation: at, ..Transform::default() },
+        reflection_probe: Some(probe),
+        ..Entity::default()
+    });
+}
+
+fn room_probe(resolution: u32) -> ReflectionProbe {
+    ReflectionProbe { resolution, half_size: (HIGH - LOW) * 0.5, ..ReflectionProbe::default() }
+}
+
+fn studio(gpu: Gpu, transport: Transport, eye: Eye, size: u32) -> Studio {
+    let mut studio = Studio::new(gpu, transport, eye, [size, size]);
+    studio.assets.meshes.insert(MeshSource::Shape(Shape::Sphere), Arc::new(fine_sphere()));
+    studio
+}
+
+/// The engine's own has facets of 11 degrees, which a mirror shows.
+fn fine_sphere() -> Mesh {
+    let (segments, rings) = (256_u32, 128_u32);
+    let mut mesh = Mesh::default();
+    for ring in 0..=rings {
+        for segment in 0..=segments {
+            let (theta, phi) = (ring as f32 / rings as f32 * PI, segment as f32 / segments as f32 * 2.0 * PI);
+            let way = Vec3::new(theta.sin() * phi.cos(), theta.cos(), theta.sin() * phi.sin());
+            mesh.positions.push(way * 0.5);
+            mesh.normals.push(way);
+        }
+    }
+    for (ring, segment) in (0..rings).flat_map(|ring| (0..segments).map(move |segment| (ring, segment))) {
+        let at = |ring: u32, segment: u32| ring * (segments + 1) + segment;
+        let corners =
+            [at(ring, segment), at(ring, segment + 1), at(ring + 1, segment + 1), at(ring + 1, segment)];
+        mesh.indices.extend([0, 1, 2, 0, 2, 3].map(|k| corners[k]));
+    }
+    mesh.primitives = vec![Primitive { first: 0, count: mesh.indices.len() as u32 }];
+    mesh
+}
+
+/// Until nothing is dispatched or captured any more. Returns the frames that it took.
+fn settle(studio: &mut Studio, scene: &Scene, view: View) -> u32 {
+    for frame in 0..300 {
+        let drawn = studio.draw(scene, view);
+        if drawn.transport_dispatches == 0 && drawn.captures == 0 {
+            return frame;
+        }
+    }
+    panic!("does not settle: {:?}", studio.draw(scene, view));
+}
+
+// ---- a mirror in a room
+
+/// The room's light solved on the CPU: radiance of any point of its walls.
+struct Walls {
+    albedo: Vec<Vec3>,
+    emission: Vec<Vec3>,
+    /// By wall, (N + 1) x (N + 1).
+    irradiance: Vec<Vec3>,
+}
+
+impl Walls {
+    fn new(transport: &Transport, scene: &Scene) -> Self {
+        let materials = of_patches(transport, scene, &Default::default());
+        let system = System {
+            rows: &transport.patch_from_patch,
+            patches: &transport.patches,
+            albedo: &materials.albedo,
+        };
+        let world = engine::scene::world_from_local(scene);
+        let lights = direct::placed_lights(scene, &world, transport.origin);
+        let lit = direct::irradiance_of_patches(transport, &lights, &|_, _, _| true);
+        let exitance: Vec<DVec3> = (0..lit.len())
+            .map(|i| (materials.exitance[i] + materials.albedo[i] * lit[i]).as_dvec3())
+            .collect();
+        let radiosity = exact(&system, &exitance, 1e-9);
+        let irradiance = gather(&transport.receiver_from_patch, &radiosity);
+        let of_walls = |value: fn(&Material) -> Vec3| scene.materials[..6].iter().map(value).collect();
+        Self {
+            albedo: of_walls(|material| material.albedo.color),
+            emission: of_walls(|material| material.emission.radiance()),
+            irradiance: irradiance.into_iter().map(|h| h.as_vec3()).collect(),
+        }
+    }
+
+    /// Seen along a ray from inside.
+    fn seen(&self, from: Vec3, way: Vec3) -> Vec3 {
+        let walls = room::walls(LOW, HIGH);
+        let distance = |wall: &room::Rectangle| {
+            let normal = wall.normal();
+            let towards = -normal.dot(way);
+            if towards <= 0.0 { f32::INFINITY } else { normal.dot(from - wall.corner) / towards }
+        };
+        let hit =
+            (0..6).min_by(|&a, &b| distance(&walls[a]).total_cmp(&distance(&walls[b]))).expect("a wall");
+        let wall = &walls[hit];
+        let point = from + way * distance(wall);
+        let [u, v] = wall.edges.map(|edge| (point - wall.corner).dot(edge) / edge.length_squared());
+        let lamp = room::point_irradiance(3.0, LAMP, point, wall.normal());
+        let irradiance = self.interpolated(hit, u, v) + Vec3::splat(lamp);
+        self.emission[hit] + self.albedo[hit] * irradiance / PI
+    }
+
+    /// As the two triangles of a cell do it.
+    fn interpolated(&self, wall: usize, u: f32, v: f32) -> Vec3 {
+        let n = N as usize;
+        let cell = |x: f32| ((x * N as f32) as usize).min(n - 1);
+        let (i, j) = (cell(u), cell(v));
+        let (x, y) = (u * N as f32 - i as f32, v * N as f32 - j as f32);
+        let at = |i: usize, j: usize| self.irradiance[(wall * (n + 1) + j) * (n + 1) + i];
+        let (low, high) = (at(i, j), at(i + 1, j + 1));
+        if x > y {
+            low * (1.0 - x) + at(i + 1, j) * (x - y) + high * y
+        } else {
+            low * (1.0 - y) + at(i, j + 1) * (y - x) + high * x
+        }
+    }
+}
+
+/// Where the ray through a pixel first meets a sphere.
+fn on_sphere(eye: &Eye, size: u32, x: f32, y: f32, centre: Vec3, radius: f32) -> Option<(Vec3, Vec3)> {
+    let (position, [forward, right, up]) = eye.rays(DVec3::ZERO, 1.0);
+    let ndc = |i: f32| i / size as f32 * 2.0 - 1.0;
+    let way = (forward + right * ndc(x) - up * ndc(y)).normalize();
+    let from = position.truncate() - centre;
+    let (half, rest) = (from.dot(way), from.length_squared() - radius * radius);
+    let under = half * half - rest;
+    (under > 0.0).then(|| (position.truncate() + way * (-half - under.sqrt()), way))
+}
+
+#[test]
+fn a_mirror_sphere_shows_an_empty_room_as_rays_do() {
+    let Some(gpu) = gpu() else { return };
+    let transport = room::closed_box(LOW, HIGH, N);
+    let mut scene = room_scene(&transport);
+    let walls = Walls::new(&transport, &scene);
+    let diameter = 0.2; // 5 % of the room
+    add_sphere(&mut scene, centre(), diameter, 0.0);
+    add_probe(&mut scene, 800, centre(), room_probe(128));
+    let mut eye = Eye::looking(centre() + DVec3::new(0.25, 0.12, 1.2), centre());
+    eye.projection = engine::scene::Projection::Perspective { fov_y: 0.17 };
+    let size = 96;
+    let mut studio = studio(gpu, transport, eye, size);
+    settle(&mut studio, &scene, View::Reflection);
+    let radiance = studio.radiance();
+    let (mut apart, mut wanted) = (Vec::new(), Vec::new());
+    for y in 0..size {
+        for x in 0..size {
+            let (px, py) = (x as f32 + 0.5, y as f32 + 0.5);
+            let radius = diameter as f32 * 0.5;
+            // Off the outline, where a pixel is half sphere.
+            if on_sphere(&eye, size, px, py, centre().as_vec3(), radius * 0.97).is_none() {
+                continue;
+            }
+            let Some((point, way)) = on_sphere(&eye, size, px, py, centre().as_vec3(), radius) else {
+                continue;
+            };
+            let normal = (point - centre().as_vec3()).normalize();
+            let seen = walls.seen(point, way - normal * (2.0 * normal.dot(way)));
+            let found = radiance[(y * size + x) as usize];
+            apart.push((found - seen).abs().element_sum() / 3.0);
+            wanted.push(seen.element_sum() / 3.0);
+        }
+    }
+    let mean = wanted.iter().sum::<f32>() / wanted.len() as f32;
+    apart.sort_by(f32::total_cmp);
+    let mean_apart = apart.iter().sum::<f32>() / apart.len() as f32 / mean;
+    let p99 = apart[apart.len() * 99 / 100] / mean;
+    println!("sphere in an empty room: mean {:.2} %, p99 {:.2} %", mean_apart * 100.0, p99 * 100.0);
+    assert!(apart.len() > 3000, "{} pixels", apart.len());
+    assert!(mean_apart <= 0.02 && p99 <= 0.1, "mean {mean_apart}, p99 {p99}");
+}
+
+/// Everything glows with the same radiance: a white metal of any roughness shows it, and a floor of it, too.
+#[test]
+fn in_a_furnace_a_white_metal_shows_the_furnace() {
+    let Some(gpu) = gpu() else { return };
+    let transport = room::closed_box(LOW, HIGH, 4);
+    let mut scene = room::scene_of(&transport, |_| Vec3::splat(0.5));
+    for material in &mut scene.materials {
+        material.emission.color = Vec3::splat(0.5);
+    }
+    add_sphere(&mut scene, centre(), 0.5, 0.0);
+    add_probe(&mut scene, 800, centre(), room_probe(32));
+    let eye = Eye::looking(centre() + DVec3::new(0.0, 0.3, 1.2), centre());
+    let mut studio = studio(gpu, transport, eye, 32);
+    for roughness in [0.0, 0.2, 0.5, 0.7, 1.0] {
+        scene.materials.last_mut().expect("the mirror").roughness = roughness;
+        settle(&mut studio, &scene, View::Composite);
+        for radiance in studio.radiance() {
+            assert!((radiance - 1.0).abs().max_element() < 6e-3, "{radiance} at roughness {roughness}");
+        }
+    }
+}
+
+#[test]
+fn a_mirror_floor_shows_the_sky() {
+    let Some(gpu) = gpu() else { return };
+    let transport = room::floor(4.0, 4);
+    let mut scene = room::scene_of(&transport, |_| Vec3::ONE);
+    scene.materials[0].metallic = 1.0;
+    scene.materials[0].roughness = 0.0;
+    let (zenith, horizon) = (Vec3::new(0.2, 0.4, 0.9), Vec3::new(0.9, 0.8, 0.7));
+    let kind = SkyKind::Gradient { zenith, horizon, ground: Vec3::ZERO, sun: None, sun_diameter: 0.01 };
+    scene.sky = Sky { kind, ..Sky::default() };
+    let eye = Eye::looking(DVec3::new(0.0, 1.0, 1.5), DVec3::ZERO);
+    let mut studio = studio(gpu, transport, eye, 32);
+    settle(&mut studio, &scene, View::Composite);
+    let way = (DVec3::ZERO - eye.position).normalize().as_vec3();
+    let wanted = horizon.lerp(zenith, (-way.y).sqrt());
+    let found = studio.radiance_at(16, 16);
+    assert!((found - wanted).abs().max_element() < 0.02, "{found} instead of {wanted}");
+}
+
+// ---- mirrors that face each other
+
+#[test]
+fn light_between_two_mirrors_stays_bounded_and_settles() {
+    let Some(gpu) = gpu() else { return };
+    let transport = room::closed_box(LOW, HIGH, 4);
+    let mut scene = room::scene_of(&transport, |wall| Vec3::splat(if wall < 2 { 1.0 } else { 0.0 }));
+    for wall in [0, 1] {
+        scene.materials[wall].metallic = 1.0;
+        scene.materials[wall].roughness = 0.0;
+    }
+    scene.materials[4].emission.color = Vec3::ONE;
+    let probe = ReflectionProbe { offset: Vec3::new(0.9, 0.0, 0.0), ..room_probe(32) };
+    add_probe(&mut scene, 800, centre() - DVec3::new(0.9, 0.0, 0.0), probe);
+    let eye = Eye::looking(centre(), centre() + DVec3::new(-1.0, 0.1, 0.2));
+    let mut studio = studio(gpu, transport, eye, 64);
+    let mut frames: Vec<Vec<Vec3>> = Vec::new();
+    let mut captures = Vec::new();
+    for _ in 0..80 {
+        captures.push(studio.draw(&scene, View::Composite).captures);
+        frames.push(studio.radiance());
+    }
+    studio.save(std::path::Path::new("/tmp/mirrors.png"));
+    let most = |frame: &[Vec3]| frame.iter().map(|r| r.max_element()).fold(0.0, f32::max);
+    assert!(frames.iter().all(|frame| most(frame).is_finite() && most(frame) <= 1.0 / (1.0 - 0.9)));
+    let apart = |a: &[Vec3], b: &[Vec3]| {
+        a.iter().zip(b).map(|(a, b)| (*a - *b).abs().max_element()).fold(0.0, f32::max)
+    };
+    let change: Vec<f32> = frames.windows(2).map(|pair| apart(&pair[0], &pair[1])).collect();
+    for (frame, change) in change.iter().enumerate().skip(5) {
+        assert!(*change <= 10.0 * 0.9_f32.powi(frame as i32 - 5) + 2e-3, "frame {frame}: {change}");
+    }
+    assert_eq!(captures[75..], [0; 5], "nothing changes any more");
+    assert!(captures[..5].iter().all(|&faces| faces == 6), "{captures:?}");
+}
+
+// ---- when captures happen
+
+#[test]
+fn nothing_moving_costs_no_captures_and_a_light_brings_them_back() {
+    let Some(gpu) = gpu() else { return };
+    let transport = room::closed_box(LOW, HIGH, 4);
+    let mut scene = room_scene(&transport);
+    scene.materials[2].roughness = 0.1;
+    let sliced = ReflectionProbe { faces: Faces::Sliced, ..room_probe(16) };
+    add_probe(&mut scene, 800, centre(), ReflectionProbe { refresh: Refresh::EveryFrame, ..room_probe(16) });
+    add_probe(&mut scene, 801, centre(), sliced);
+    let eye = Eye::looking(centre() + DVec3::new(0.0, 0.5, 1.2), centre());
+    let mut studio = studio(gpu, transport, eye, 16);
+    assert!(settle(&mut studio, &scene, View::Composite) > 2);
+    // The camera moves: nothing is captured.
+    studio.eye.position.x += 0.3;
+    let drawn = studio.draw(&scene, View::Composite);
+    assert_eq!((drawn.captures, drawn.transport_dispatches), (0, 0));
+    let lamp = scene.entities.iter_mut().find(|entity| entity.light.is_some()).expect("a lamp");
+    lamp.light.as_mut().expect("a lamp").intensity = 1.0;
+    assert_eq!(studio.draw(&scene, View::Composite).captures, 7, "all faces of one, one of the other");
+    settle(&mut studio, &scene, View::Composite);
+}
+
+/// A room with a probe whose capture is drawn with and without keeping what stands still.
+#[test]
+fn what_moves_is_drawn_on_top_of_what_stands_still() {
+    let Some(gpu) = gpu() else { return };
+    let transport = room::closed_box(LOW, HIGH, 4);
+    let mut scene = room::scene_of(&transport, |_| Vec3::splat(0.5));
+    scene.materials[4].emission.color = Vec3::ONE;
+    scene.materials[2].metallic = 1.0;
+    scene.materials[2].roughness = 0.0;
+    add_sphere(&mut scene, centre() + DVec3::new(0.6, 0.0, 0.0), 0.4, 1.0);
+    add_probe(&mut scene, 800, centre(), room_probe(64));
+    let eye = Eye::looking(centre() + DVec3::new(0.0, 0.5, 1.2), centre() - DVec3::new(0.0, 1.2, 0.0));
+    let mut studio = studio(gpu, transport, eye, 48);
+    settle(&mut studio, &scene, View::Reflection);
+    let before = studio.radiance();
+    let sphere = scene.entities.iter().position(|entity| entity.id == EntityId(900)).expect("the sphere");
+    scene.entities[sphere].transform.translation.x -= 1.0;
+    let on_top = studio.draw(&scene, View::Reflection);
+    assert_eq!(on_top.captures, 6);
+    let moved = studio.radiance();
+    settle(&mut studio, &scene, View::Reflection);
+    let in_full = studio.radiance();
+    let apart = |a: &[Vec3], b: &[Vec3]| {
+        a.iter().zip(b).map(|(a, b)| (*a - *b).abs().max_element()).sum::<f32>() / a.len() as f32
+    };
+    assert!(apart(&before, &moved) > 1e-3, "the sphere is seen to move: {}", apart(&before, &moved));
+    assert!(apart(&moved, &in_full) < 1e-3, "kept and in full: {}", apart(&moved, &in_full));
+}
+
+// ---- the prefilter
+
+/// A cube as the GPU blurs it: level by level, and its harmonics.
+fn prefiltered(gpu: &Gpu, size: u32, texels: &[Vec3]) -> (Vec<Cube>, Vec<Vec3>) {
+    let mut library = shaders::library().unwrap();
+    let prefilter = Prefilter::new(gpu, &mut library).unwrap();
+    let harmonics = buffer::empty(gpu, "harmonics", 144, wgpu::BufferUsages::STORAGE);
+    let source = prefilter.source(gpu, size, levels(size), &harmonics, 0);
+    upload(gpu, &source.texture, &Cube::new(size as usize, texels.to_vec()));
+    let cubes = texture::cubes(gpu, "cubes", size, 2, levels(size));
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    let mut timer = engine::gpu::timing::Timer::new(gpu);
+    prefilter.run(&mut encoder, &mut timer, &source, &faces(&cubes, 0));
+    gpu.queue.submit([encoder.finish()]);
+    let level = |level: u32| {
+        let texels = (0..6).flat_map(|face| {
+            let bytes = texture::read_layer(gpu, &cubes, [face, level], 8).unwrap();
+            let single = |at: &[u8]| texture::single(u16::from_le_bytes([at[0], at[1]]));
+            bytes
+                .chunks_exact(8)
+                .map(|texel| Vec3::new(single(texel), single(&texel[2..]), single(&texel[4..])))
+                .collect::<Vec<_>>()
+        });
+        Cube::new((size >> level) as usize, texels.collect())
+    };
+    let harmonics: Vec<Vec4> = buffer::read(gpu, &harmonics).unwrap();
+    ((0..levels(size)).map(level).collect(), harmonics[..9].iter().map(|c| c.truncate()).collect())
+}
+
+#[test]
+fn a_constant_cubemap_is_the_same_at_every_roughness() {
+    let Some(gpu) = gpu() else { return };
+    let color = Vec3::new(0.25, 1.0, 3.0);
+    let (levels, harmonics) = prefiltered(&gpu, 64, &vec![color; 6 * 64 * 64]);
+    assert_eq!(levels.len(), 4);
+    for texel in levels.iter().flat_map(|level| level.texels()) {
+        assert!(((*texel - color) / color).abs().max_element() < 1e-3, "{texel}");
+    }
+    assert!((harmonics[0] / (2.0 * PI.sqrt() * color) - 1.0).abs().max_element() < 1e-3);
+    assert!(harmonics[1..].iter().all(|band| band.abs().max_element() < 5e-3), "{harmonics:?}");
+}
+
+#[test]
+fn one_bright_texel_is_blurred_as_on_the_cpu() {
+    let Some(gpu) = gpu() else { return };
+    let size = 64_u32;
+    // In the middle of a face, at an edge, and in a corner.
+    for at in [(0, 30, 33), (2, 0, 20), (5, 63, 63)] {
+        let mut texels = vec![Vec3::splat(0.1); (6 * size * size) as usize];
+        texels[((at.0 * size + at.1) * size + at.2) as usize] = Vec3::new(1000.0, 500.0, 250.0);
+        let twin = Cube::new(size as usize, texels.clone());
+        let (found, harmonics) = prefiltered(&gpu, size, &texels);
+        let prefilter = Prefilter::new(&gpu, &mut shaders::library().unwrap()).unwrap();
+        for (level, found) in (0..).zip(&found) {
+            let samples = prefilter.samples(level, levels(size), size);
+            let side = found.size();
+            let middle = |i: usize| (i as f32 + 0.5) / side as f32 * 2.0 - 1.0;
+            let mut apart = 0.0_f32;
+            let mut most = 0.0_f32;
+            let mut sums = [0.0_f64; 2];
+            for (index, texel) in found.texels().iter().enumerate() {
+                let (face, y, x) = (index / (side * side), index / side % side, index % side);
+                let way = cube::direction(face, middle(x), middle(y));
+                let wanted = twin.blurred(way, &samples);
+                apart = apart.max((*texel - wanted).abs().max_element());
+                most = most.max(wanted.max_element());
+                sums[0] += f64::from(texel.x);
+                sums[1] += f64::from(wanted.x);
+            }
+            println!("level {level}: most {most}, apart {apart}, sums {sums:?}");
+            // A sampler's weights have 8 bits, and at the corners of a cube each has its own way.
+            assert!(apart < 0.04 * most, "{at:?} level {level}: {apart} of {most}");
+            assert!((sums[0] / sums[1] - 1.0).abs() < 2e-2, "{at:?} level {level}: {sums:?}");
+        }
+        let wanted = twin.harmonics(16);
+        for k in 0..sh::COEFFICIENTS {
+            assert!((harmonics[k] - wanted[k]).abs().max_element() < 2e-3 * wanted[0].x.abs(), "{k}");
+        }
+    }
+}
