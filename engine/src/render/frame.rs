@@ -26,7 +26,7 @@ use super::pictures::Pictures;
 use super::reflections::capture::Set;
 use super::reflections::{Captured, Reflections, Seen};
 use super::rows::{self, PagedRows, Summed};
-use super::shadow::{Camera, Shadows};
+use super::shadow::{Camera, Recording, Shadows};
 use super::sky::SkyPass;
 use super::sources::Sources;
 use super::spaces::Spaces;
@@ -182,7 +182,7 @@ impl Renderer {
         let spaces = Spaces::new(gpu_ref, &transport)?;
         let mut pictures = Pictures::new(gpu_ref, library)?;
         let materials = Materials::new(gpu_ref, assets, &mut pictures);
-        let shadows = Shadows::new(gpu_ref, library, materials.layout())?;
+        let shadows = Shadows::new(gpu_ref, library, materials.layout(), !settings.no_light_grid)?;
         let scene_layout = shadows.scene_layout();
         let renderer = Self {
             samples: settings.samples.unwrap_or_else(|| targets::most_samples(gpu_ref)),
@@ -243,9 +243,8 @@ impl Renderer {
         };
         let aspect = display.width() as f32 / display.height().max(1) as f32;
         let camera = Camera { eye: &now.eye, origin: self.transport.origin, aspect };
-        let in_grid = !self.settings.no_light_grid;
-        let shadowed =
-            self.shadows.update(gpu, &mut encoder, &mut self.timer, &lights, &casters, &camera, in_grid);
+        let mut recording = Recording { gpu, encoder: &mut encoder, timer: &mut self.timer };
+        let shadowed = self.shadows.update(&mut recording, &lights, &casters, &camera);
         let uniform = self.write_frame(gpu, now, display);
 
         // Light on patches, then from patch to patch, then to receivers and probes.

@@ -54,6 +54,15 @@ pub struct Shadows {
     /// The sphere that sun maps cover.
     fit: (Vec3, f32),
     slices: Slices,
+    /// Lights with a range are found by the grid, and not all in one list.
+    in_grid: bool,
+}
+
+/// Where a frame's commands go.
+pub struct Recording<'a> {
+    pub gpu: &'a Gpu,
+    pub encoder: &'a mut wgpu::CommandEncoder,
+    pub timer: &'a mut Timer,
 }
 
 /// The view that cascades are for.
@@ -84,6 +93,7 @@ impl Shadows {
         gpu: &Gpu,
         library: &mut Library,
         material_layout: &wgpu::BindGroupLayout,
+        in_grid: bool,
     ) -> Result<Self, GpuError> {
         use Binding::{Comparison, DepthLayers, Read, Uniform};
         let both = wgpu::ShaderStages::FRAGMENT | wgpu::ShaderStages::COMPUTE;
@@ -116,6 +126,7 @@ impl Shadows {
             suns: 0,
             fit: (Vec3::ZERO, 1.0),
             slices: Slices::default(),
+            in_grid,
         })
     }
 
@@ -154,33 +165,27 @@ impl Shadows {
         left_out
     }
 
-    /// Follows lights and casters, and draws the maps that are not what they should be. `in_grid`: lights with a
-    /// range are found by the grid and not all in one list.
+    /// Follows lights and casters, and draws the maps that are not what they should be.
     pub fn update(
         &mut self,
-        gpu: &Gpu,
-        encoder: &mut wgpu::CommandEncoder,
-        timer: &mut Timer,
+        recording: &mut Recording<'_>,
         placed: &[PlacedLight],
         casters: &Casters<'_>,
         camera: &Camera<'_>,
-        in_grid: bool,
     ) -> Shadowed {
+        let gpu = recording.gpu;
         self.fit = fit(self.fit, casters.instances);
         self.make_room(gpu, placed);
         self.slices = match self.maps[SUN].each {
             1 => Slices::default(),
             _ => Slices::new(camera.eye, camera.origin, camera.aspect, self.fit.1),
         };
-        let assigned = self.assign(placed, in_grid);
-        let mut changed = self.write(gpu, &assigned, casters);
+        let assigned = self.assign(placed);
+        let changed = self.write(gpu, &assigned, casters);
         self.bind(gpu);
-        let mut draws = 0;
-        self.draw_stale(gpu, encoder, timer, &assigned.seen, casters, |drawn, of_camera| {
-            draws += drawn;
-            changed |= !of_camera;
-        });
-        Shadowed { changed, draws }
+        let mut shadowed = Shadowed { changed, draws: 0 };
+        self.draw_stale(recording, &assigned.seen, casters, &mut shadowed);
+        shadowed
     }
 
     /// Layers for every light that casts shadows.
@@ -203,10 +208,10 @@ impl Shadows {
     }
 
     /// Which light has which map, for all lights that shine.
-    fn assign<'a>(&self, placed: &'a [PlacedLight], in_grid: bool) -> Assigned<'a> {
+    fn assign<'a>(&self, placed: &'a [PlacedLight]) -> Assigned<'a> {
         let shining = placed.iter().filter(|light| lights::shines(light));
         let (everywhere, local): (Vec<_>, Vec<_>) = shining.partition(|light| lights::is_everywhere(light));
-        let count = if in_grid { everywhere.len() } else { everywhere.len() + local.len() };
+        let count = if self.in_grid { everywhere.len() } else { everywhere.len() + local.len() };
         let placed: Vec<&PlacedLight> = everywhere.into_iter().chain(local).collect();
         let mut seen = Vec::new();
         let lights = placed.iter().enumerate();
@@ -258,16 +263,13 @@ impl Shadows {
         }
     }
 
-    /// Draws the maps that show something else than they should; tells of each the draws, and whether it is the
-    /// camera's.
+    /// Draws the maps that show something else than they should.
     fn draw_stale(
         &mut self,
-        gpu: &Gpu,
-        encoder: &mut wgpu::CommandEncoder,
-        timer: &mut Timer,
+        recording: &mut Recording<'_>,
         all: &[Seen],
         casters: &Casters<'_>,
-        mut tell: impl FnMut(u32, bool),
+        shadowed: &mut Shadowed,
     ) {
         let stamps = Stamps::new(casters);
         let everything = &casters.instances.draws;
@@ -286,23 +288,22 @@ impl Shadows {
             let signature = stamps.of_map(seen, &reached.1, everything);
             if content.signature != signature {
                 content.signature = signature;
-                tell(self.draw(gpu, encoder, timer, slot, seen, &reached.1, casters), seen.of_camera);
+                shadowed.draws += self.draw(recording, (slot, seen), &reached.1, casters);
+                shadowed.changed |= !seen.of_camera;
             }
         }
     }
 
+    /// Returns the draws.
     fn draw(
         &mut self,
-        gpu: &Gpu,
-        encoder: &mut wgpu::CommandEncoder,
-        timer: &mut Timer,
-        slot: usize,
-        seen: &Seen,
+        recording: &mut Recording<'_>,
+        (slot, seen): (usize, &Seen),
         reached: &[usize],
         casters: &Casters<'_>,
     ) -> u32 {
         let view = texture::layer(&self.maps[seen.kind].texture, seen.layer as u32);
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        let mut pass = recording.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("shadow"),
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &view,
@@ -312,11 +313,11 @@ impl Shadows {
                 }),
                 stencil_ops: None,
             }),
-            timestamp_writes: timer.render("shadow"),
+            timestamp_writes: recording.timer.render("shadow"),
             ..Default::default()
         });
         pass.set_bind_group(0, &self.slot_group, &[(slot * size_of::<ShadowView>()) as u32]);
-        self.casters.draw(gpu, &mut pass, seen, reached, casters)
+        self.casters.draw(recording.gpu, &mut pass, seen, reached, casters)
     }
 }
 
