@@ -3,7 +3,7 @@
 // engine/src/transport/direct.rs. One thread a patch. Shadows by maps (`direct`), or by rays (`direct_by_rays`); a
 // light that has no map is asked by rays in any case.
 #import hohlraum::frame::frame
-#import hohlraum::scene::light::{Light, lights, arrival, visible, SUN, SPOT, UNMAPPED}
+#import hohlraum::scene::light::{Light, lights_at, light_of, arrival, visible, SUN, SPOT, UNMAPPED}
 #import hohlraum::transport::patch::{Patch, Sample}
 #import hohlraum::transport::rays::{triangles, let_through}
 #import hohlraum::transport::solid_angle::{solid_angle, cone_in_triangle}
@@ -45,8 +45,9 @@ fn leave(i: u32, by_rays: bool) {
 
 fn irradiance(i: u32, at: Sample, by_rays: bool) -> vec3f {
     var sum = vec3f(0.0);
-    for (var l = 0u; l < frame.lights; l++) {
-        sum += irradiance_from(lights[l], i, at, by_rays);
+    let list = lights_at(at.position);
+    for (var k = 0u; k < list.count; k++) {
+        sum += irradiance_from(light_of(list, k), i, at, by_rays);
     }
     return sum;
 }
@@ -77,7 +78,7 @@ fn irradiance_from(light: Light, i: u32, at: Sample, by_rays: bool) -> vec3f {
     if by_rays || light.layer == UNMAPPED {
         return irradiance * asked(light, at, light_here.towards, squared);
     }
-    return irradiance * visible(light, at.position, at.normal, light_here.towards);
+    return irradiance * visible(light, at.position, at.normal, light_here.towards, false);
 }
 
 fn asked(light: Light, at: Sample, towards: vec3f, squared: f32) -> f32 {
