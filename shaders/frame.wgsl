@@ -12,8 +12,13 @@ struct Frame {
     /// Display = exposure * radiance.
     exposure: f32,
     up: vec3f,
-    lights: u32,
     view: u32,
+    /// Depths at which the sun's cascades end [m]; all 0: there are none.
+    cascade_ends: vec4f,
+    /// Widths of their texels [m].
+    cascade_texels: vec4f,
+    /// depth = dot(forward, position) - eye_depth
+    eye_depth: f32,
     /// 1 where the target does not encode sRGB by itself.
     encode: u32,
     /// Radiance is drawn times this power of two.

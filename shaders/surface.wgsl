@@ -3,8 +3,9 @@
 // digit; GGX (Walter et al. 2007, height-correlated Smith by Heitz 2014) with Schlick's Fresnel on top.
 #import hohlraum::frame::{frame, to_eye, drawn, COMPOSITE, DIRECT, INDIRECT, REFLECTION, ALBEDO, NORMAL, PROBES}
 #import hohlraum::scene::mesh::{Still, Moving, moved, moved_normal, moved_tangent}
-#import hohlraum::scene::material::{material, base_color, metal, emission_at, bump, is, mapped, MASK, BLEND, UNLIT}
-#import hohlraum::scene::light::{lights, arrival, visible}
+#import hohlraum::scene::material::{material, base_color, metal, emission_at, bump, is, mapped}
+#import hohlraum::scene::material::{MASK, BLEND, UNLIT, DOUBLE_SIDED}
+#import hohlraum::scene::light::{lights_at, light_of, arrival, visible_in_view}
 #import hohlraum::scene::reflection::{around, reflectance, use_of}
 #import hohlraum::transport::sh
 
@@ -183,13 +184,16 @@ struct Lit {
 fn lit(here: Surfel) -> Lit {
     let diffuse = diffuse_albedo(here) / PI;
     var sum = Lit(vec3f(0.0), vec3f(0.0));
-    for (var l = 0u; l < frame.lights; l++) {
-        let light = lights[l];
+    let list = lights_at(here.position);
+    for (var k = 0u; k < list.count; k++) {
+        let light = light_of(list, k);
         let light_here = arrival(light, here.position, 0.01);
         let cosine = dot(here.normal, light_here.towards);
         if cosine > 0.0 && dot(here.smooth_normal, light_here.towards) > 0.0
             && any(light_here.irradiance > vec3f(0.0)) {
-            let share = visible(light, here.position, here.smooth_normal, light_here.towards);
+            let share = visible_in_view(
+                light, here.position, here.smooth_normal, light_here.towards, is(DOUBLE_SIDED),
+            );
             let arrived = light_here.irradiance * (cosine * share);
             sum.diffuse += arrived * diffuse;
             sum.highlights += arrived * highlight(here, light_here.towards, cosine);

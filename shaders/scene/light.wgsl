@@ -1,5 +1,6 @@
 // Punctual lights (KHR_lights_punctual) and what their shadow maps let through.
 #define_import_path hohlraum::scene::light
+#import hohlraum::frame::frame
 
 struct Light {
     position: vec3f,
@@ -14,10 +15,19 @@ struct Light {
     layer: i32,
     /// share = saturate(cone.x * cos + cone.y)^2
     cone: vec2f,
-    /// Its first matrix in `shadow_views`.
+    /// Its first matrix in `shadow_views`; a sun's are the scene's and, where there are any, the cascades'.
     first_view: u32,
     /// Width of a shadow map's texel [m]: sun everywhere, others at distance 1.
     texel: f32,
+}
+
+/// Cells over the scene, x fastest, then y.
+struct LightGrid {
+    low: vec3f,
+    /// So many lights, the first ones, reach all of the scene and stand in no list.
+    everywhere: u32,
+    cells_per_metre: vec3f,
+    counts: vec3u,
 }
 
 const SUN: u32 = 0u;
@@ -32,6 +42,30 @@ const UNMAPPED: i32 = -2;
 @group(1) @binding(3) var spot_maps: texture_depth_2d_array;
 @group(1) @binding(4) var point_maps: texture_depth_2d_array;
 @group(1) @binding(5) var nearer: sampler_comparison;
+@group(1) @binding(6) var<uniform> light_grid: LightGrid;
+/// First and count of each cell's list, then the lists.
+@group(1) @binding(7) var<storage, read> light_lists: array<u32>;
+
+/// The lights of a point: those that reach all, then `count` less so many from `first` on in `light_lists`.
+struct LightList {
+    first: u32,
+    count: u32,
+}
+
+fn lights_at(position: vec3f) -> LightList {
+    let counts = light_grid.counts;
+    let at = (position - light_grid.low) * light_grid.cells_per_metre;
+    let cell = vec3u(clamp(at, vec3f(0.0), vec3f(counts) - 1.0));
+    let index = 2u * ((cell.z * counts.y + cell.y) * counts.x + cell.x);
+    return LightList(light_lists[index], light_grid.everywhere + light_lists[index + 1u]);
+}
+
+fn light_of(list: LightList, k: u32) -> Light {
+    if k < light_grid.everywhere {
+        return lights[k];
+    }
+    return lights[light_lists[list.first + k - light_grid.everywhere]];
+}
 
 struct Arrival {
     /// To the light, unit.
@@ -58,13 +92,9 @@ fn arrival(light: Light, position: vec3f, least: f32) -> Arrival {
     return Arrival(towards, light.power * (share * cone * cone));
 }
 
-/// Share of the light that reaches a point, by its shadow map. The filter looks from a point off the surface by as
-/// much as the filter is wide, and a little towards the light: a surface does not shade itself.
-///
-/// It looks once more from so far off that this moves it on the map by more than the filter is wide, and from
-/// behind: where two walls meet, the first look reads beyond the outline of the wall that blocks, into the open,
-/// and would light a thin line. The lesser of both counts.
-fn visible(light: Light, position: vec3f, normal: vec3f, towards: vec3f) -> f32 {
+/// Share of the light that reaches a point, by its shadow map; a sun's is that of the whole scene. `both`: its surface
+/// is lit from both sides.
+fn visible(light: Light, position: vec3f, normal: vec3f, towards: vec3f, both: bool) -> f32 {
     if light.layer < 0 {
         return 1.0;
     }
@@ -75,36 +105,111 @@ fn visible(light: Light, position: vec3f, normal: vec3f, towards: vec3f) -> f32 
     } else if light.kind == SPOT {
         width *= max(dot(position - light.position, light.direction), 0.0);
     }
-    let cosine = dot(normal, towards);
-    let slope = sqrt(saturate(1.0 - cosine * cosine));
-    let near = position + normal * (width * (0.5 + 2.2 * slope)) + towards * (0.5 * width);
-    let share = looked_up(light, near, 1);
-    if share <= 0.0 {
-        return 0.0;
-    }
-    let off = width * 2.5 / max(slope, 0.25);
-    let far = position + normal * off - towards * (0.75 * off * cosine);
-    return min(share, looked_up(light, far, 0));
+    return looked_up(light, 0u, width, position, normal, towards, both);
 }
 
-/// Mean of (2 radius + 1)^2 comparisons about a point.
-fn looked_up(light: Light, point: vec3f, radius: i32) -> f32 {
-    let face = select(0u, face_of(point - light.position), light.kind == POINT);
-    let clip = shadow_views[light.first_view + face] * vec4f(point, 1.0);
+/// The same for a point that this frame's eye sees: a sun's cascade, which passes over into the next, the last one
+/// into the map of the whole scene.
+fn visible_in_view(light: Light, position: vec3f, normal: vec3f, towards: vec3f, both: bool) -> f32 {
+    let depth = dot(frame.forward, position) - frame.eye_depth;
+    let last = frame.cascade_ends.w;
+    if light.kind != SUN || light.layer < 0 || last <= 0.0 || depth >= last {
+        return visible(light, position, normal, towards, both);
+    }
+    var slice = 0u;
+    var begin = 0.0;
+    while slice < 3u && depth >= frame.cascade_ends[slice] {
+        begin = frame.cascade_ends[slice];
+        slice += 1u;
+    }
+    let end = frame.cascade_ends[slice];
+    let width = frame.cascade_texels[slice];
+    let share = looked_up(light, slice + 1u, width, position, normal, towards, both);
+    let over = saturate(1.0 - (end - depth) / (BLEND * (end - begin)));
+    if over <= 0.0 {
+        return share;
+    }
+    if slice == 3u {
+        return mix(share, visible(light, position, normal, towards, both), over);
+    }
+    let next = frame.cascade_texels[slice + 1u];
+    return mix(share, looked_up(light, slice + 2u, next, position, normal, towards, both), over);
+}
+
+/// The share of a slice at its end in which it passes over into the next.
+const BLEND: f32 = 0.1;
+/// Texels that the filter reaches to each side.
+const REACH: f32 = 3.0;
+/// Texels over whose slope fronts are drawn farther from the light than they are.
+const PUSH: f32 = 4.5;
+/// Texels by which the filter looks from off the surface: its back may be close behind it.
+const LIFT: vec2f = vec2f(0.5, 2.5);
+/// Where less of the surface than this is to be seen (it may cast no shadow), the rest counts as lit.
+const LEAST: f32 = 0.2;
+
+/// By a light's map with this number, whose texels are `width` metres wide at the point.
+///
+/// A filter blurs light and shadow on the plane of the surface, beyond its end too: where a wall in front of the sun
+/// stands on a floor, it would read light from behind the wall, and from the wall. So of what the filter reads, only
+/// that counts which shows this surface, or what stands before it.
+fn looked_up(
+    light: Light,
+    number: u32,
+    width: f32,
+    position: vec3f,
+    normal: vec3f,
+    towards: vec3f,
+    both: bool,
+) -> f32 {
+    let cosine = max(dot(normal, towards), 0.05);
+    let slope = sqrt(1.0 - min(cosine * cosine, 1.0));
+    let lift = width * (LIFT.x + LIFT.y * slope);
+    let point = position + normal * lift;
+    let map = select(number, face_of(point - light.position), light.kind == POINT);
+    let layer = light.layer + i32(map);
+    let clip_from_world = shadow_views[light.first_view + map];
+    let clip = clip_from_world * vec4f(point, 1.0);
     if clip.w <= 0.0 {
         return 1.0;
     }
     let ndc = clip.xyz / clip.w;
-    let at = vec2f(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y);
-    let depth = saturate(ndc.z);
-    let layer = light.layer + i32(face);
-    if light.kind == SUN {
-        return filtered_sun(at, layer, depth, radius);
+    let at = in_map(ndc);
+    let free = farther(light.kind, at, layer, ndc.z, vec2f(0.0));
+    if free <= 0.001 || free >= 0.999 {
+        return round(free);
     }
-    if light.kind == SPOT {
-        return filtered_spot(at, layer, depth, radius);
+    // What lies farther than the surface, and than what stands before it.
+    let behind = (lift + width * (1.5 * REACH + PUSH) * slope) / cosine + 0.5 * width;
+    let deep = clip_from_world * vec4f(point - towards * behind, 1.0);
+    let beyond = farther(light.kind, at, layer, deep.z / deep.w, vec2f(0.0));
+    var unblocked = free;
+    if !both {
+        // Fronts are pushed by more than this, what stands on the surface is not.
+        let foot_clip = clip_from_world * vec4f(position, 1.0);
+        let foot = foot_clip.xyz / foot_clip.w;
+        let rise = steepness(clip_from_world, foot, foot_clip.w, normal);
+        let texel = abs(rise) / map_size(light.kind);
+        let under = foot.z + dot(rise, at - in_map(foot)) - 0.5 * PUSH * max(texel.x, texel.y);
+        unblocked = farther(light.kind, at, layer, under, rise);
     }
-    return filtered_point(at, layer, depth, radius);
+    let blocked = 1.0 - free;
+    return saturate(1.0 - blocked / max(blocked + unblocked - beyond, LEAST));
+}
+
+fn in_map(ndc: vec3f) -> vec2f {
+    return vec2f(0.5, 0.5) + vec2f(0.5, -0.5) * ndc.xy;
+}
+
+/// Change of depth over a map's whole width and height, on the plane with this normal through the point at `ndc`.
+fn steepness(clip_from_world: mat4x4f, ndc: vec3f, w: f32, normal: vec3f) -> vec2f {
+    let other = select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), abs(normal.x) > 0.7);
+    let tangent = normalize(cross(normal, other));
+    let along = clip_from_world * vec4f(tangent, 0.0);
+    let across = clip_from_world * vec4f(cross(normal, tangent), 0.0);
+    let plane = cross(along.xyz - ndc * along.w, across.xyz - ndc * across.w) / (w * w);
+    let least = 1e-3 * length(plane);
+    let facing = select(max(plane.z, least), min(plane.z, -least), plane.z < 0.0);
+    return vec2f(-2.0, 2.0) * plane.xy / facing;
 }
 
 /// Faces +x -x +y -y +z -z.
@@ -119,44 +224,96 @@ fn face_of(way: vec3f) -> u32 {
     return select(5u, 4u, way.z > 0.0);
 }
 
-// Percentage closer filtering over bilinear comparisons (Reeves et al. 1987). WGSL passes no textures to
-// functions on every target, hence one function a kind.
+// Percentage closer filtering (Reeves et al. 1987) by a tent that reaches three texels to each side: six texels in a
+// row have the weights 1 - s, 2 - s, 3 - s, 2 + s, 1 + s, s, in ninths, where s is how far the point is beyond the
+// middle of the third. A bilinear comparison between two texels takes both, each with its weight.
 
-fn filtered_sun(at: vec2f, layer: i32, depth: f32, radius: i32) -> f32 {
-    let texel = 1.0 / vec2f(textureDimensions(sun_maps));
-    var sum = 0.0;
-    for (var y = -radius; y <= radius; y++) {
-        for (var x = -radius; x <= radius; x++) {
-            let tap = at + vec2f(f32(x), f32(y)) * texel;
-            sum += textureSampleCompareLevel(sun_maps, nearer, tap, layer, depth);
-        }
-    }
-    let taps = f32(2 * radius + 1);
-    return sum / (taps * taps);
+/// Three taps along an axis: where, in texels, how much they count, and how far from the point their texels are.
+struct Tent {
+    at: vec3f,
+    weight: vec3f,
+    way: vec3f,
 }
 
-fn filtered_spot(at: vec2f, layer: i32, depth: f32, radius: i32) -> f32 {
-    let texel = 1.0 / vec2f(textureDimensions(spot_maps));
-    var sum = 0.0;
-    for (var y = -radius; y <= radius; y++) {
-        for (var x = -radius; x <= radius; x++) {
-            let tap = at + vec2f(f32(x), f32(y)) * texel;
-            sum += textureSampleCompareLevel(spot_maps, nearer, tap, layer, depth);
-        }
-    }
-    let taps = f32(2 * radius + 1);
-    return sum / (taps * taps);
+fn tent(at: f32) -> Tent {
+    let third = floor(at - 0.5);
+    let s = at - 0.5 - third;
+    let weight = vec3f(3.0 - 2.0 * s, 5.0, 1.0 + 2.0 * s);
+    let between = vec3f(2.0 - s, 2.0 + s, s) / weight;
+    return Tent(third + vec3f(-1.5, 0.5, 2.5) + between, weight / 9.0, vec3f(-1.5, 0.5, 2.5) - s);
 }
 
-fn filtered_point(at: vec2f, layer: i32, depth: f32, radius: i32) -> f32 {
-    let texel = 1.0 / vec2f(textureDimensions(point_maps));
+/// Share of what a light's map shows about a place that lies farther from the light than a plane with this depth
+/// there and this steepness.
+fn farther(kind: u32, at: vec2f, layer: i32, depth: f32, steepness: vec2f) -> f32 {
+    if kind == SUN {
+        return farther_sun(at, layer, depth, steepness);
+    }
+    if kind == SPOT {
+        return farther_spot(at, layer, depth, steepness);
+    }
+    return farther_point(at, layer, depth, steepness);
+}
+
+fn map_size(kind: u32) -> vec2f {
+    if kind == SUN {
+        return vec2f(textureDimensions(sun_maps));
+    }
+    if kind == SPOT {
+        return vec2f(textureDimensions(spot_maps));
+    }
+    return vec2f(textureDimensions(point_maps));
+}
+
+// WGSL passes no textures to functions on every target, hence one function a kind.
+
+fn farther_sun(at: vec2f, layer: i32, depth: f32, steepness: vec2f) -> f32 {
+    let size = vec2f(textureDimensions(sun_maps));
+    let x = tent(at.x * size.x);
+    let y = tent(at.y * size.y);
+    let rise = steepness / size;
     var sum = 0.0;
-    for (var y = -radius; y <= radius; y++) {
-        for (var x = -radius; x <= radius; x++) {
-            let tap = at + vec2f(f32(x), f32(y)) * texel;
-            sum += textureSampleCompareLevel(point_maps, nearer, tap, layer, depth);
+    for (var j = 0; j < 3; j++) {
+        for (var i = 0; i < 3; i++) {
+            let tap = vec2f(x.at[i], y.at[j]) / size;
+            let nearest = saturate(depth + rise.x * x.way[i] + rise.y * y.way[j]);
+            sum += x.weight[i] * y.weight[j]
+                * textureSampleCompareLevel(sun_maps, nearer, tap, layer, nearest);
         }
     }
-    let taps = f32(2 * radius + 1);
-    return sum / (taps * taps);
+    return sum;
+}
+
+fn farther_spot(at: vec2f, layer: i32, depth: f32, steepness: vec2f) -> f32 {
+    let size = vec2f(textureDimensions(spot_maps));
+    let x = tent(at.x * size.x);
+    let y = tent(at.y * size.y);
+    let rise = steepness / size;
+    var sum = 0.0;
+    for (var j = 0; j < 3; j++) {
+        for (var i = 0; i < 3; i++) {
+            let tap = vec2f(x.at[i], y.at[j]) / size;
+            let nearest = saturate(depth + rise.x * x.way[i] + rise.y * y.way[j]);
+            sum += x.weight[i] * y.weight[j]
+                * textureSampleCompareLevel(spot_maps, nearer, tap, layer, nearest);
+        }
+    }
+    return sum;
+}
+
+fn farther_point(at: vec2f, layer: i32, depth: f32, steepness: vec2f) -> f32 {
+    let size = vec2f(textureDimensions(point_maps));
+    let x = tent(at.x * size.x);
+    let y = tent(at.y * size.y);
+    let rise = steepness / size;
+    var sum = 0.0;
+    for (var j = 0; j < 3; j++) {
+        for (var i = 0; i < 3; i++) {
+            let tap = vec2f(x.at[i], y.at[j]) / size;
+            let nearest = saturate(depth + rise.x * x.way[i] + rise.y * y.way[j]);
+            sum += x.weight[i] * y.weight[j]
+                * textureSampleCompareLevel(point_maps, nearer, tap, layer, nearest);
+        }
+    }
+    return sum;
 }

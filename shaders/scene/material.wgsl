@@ -28,6 +28,7 @@ struct Material {
 const MASK: u32 = 1u;
 const BLEND: u32 = 2u;
 const UNLIT: u32 = 4u;
+const DOUBLE_SIDED: u32 = 8u;
 
 @group(3) @binding(0) var<uniform> material: Material;
 @group(3) @binding(1) var base_picture: texture_2d<f32>;

@@ -3,7 +3,7 @@
 // engine/src/transport/direct.rs. One thread a patch. Shadows by maps (`direct`), or by rays (`direct_by_rays`); a
 // light that has no map is asked by rays in any case.
 #import hohlraum::frame::frame
-#import hohlraum::scene::light::{Light, lights, arrival, visible, SUN, SPOT, UNMAPPED}
+#import hohlraum::scene::light::{Light, lights_at, light_of, arrival, visible, SUN, SPOT, UNMAPPED}
 #import hohlraum::transport::patch::{Patch, Sample}
 #import hohlraum::transport::rays::{triangles, let_through}
 #import hohlraum::transport::solid_angle::{solid_angle, cone_in_triangle}
@@ -14,8 +14,10 @@
 @group(2) @binding(3) var<storage, read> emitted: array<vec4f>;
 @group(2) @binding(4) var<storage, read_write> exitance: array<vec4f>;
 
-/// Patches of more triangles are not summed over.
+/// Up to so many triangles, each is given its exact part of a cone; small ones of many are taken at their middle.
 const FEW: u32 = 32u;
+/// Patches of more triangles are not summed over.
+const MANY: u32 = 1024u;
 
 @compute @workgroup_size(64)
 fn direct(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
@@ -43,8 +45,9 @@ fn leave(i: u32, by_rays: bool) {
 
 fn irradiance(i: u32, at: Sample, by_rays: bool) -> vec3f {
     var sum = vec3f(0.0);
-    for (var l = 0u; l < frame.lights; l++) {
-        sum += irradiance_from(lights[l], i, at, by_rays);
+    let list = lights_at(at.position);
+    for (var k = 0u; k < list.count; k++) {
+        sum += irradiance_from(light_of(list, k), i, at, by_rays);
     }
     return sum;
 }
@@ -59,7 +62,7 @@ fn irradiance_from(light: Light, i: u32, at: Sample, by_rays: bool) -> vec3f {
     let way = light.position - at.position;
     let squared = dot(way, way);
     var irradiance = light_here.irradiance * cosine;
-    if light.kind != SUN && patches[i].triangle_count > FEW {
+    if light.kind != SUN && patches[i].triangle_count > MANY {
         // The sample stands for a disc.
         let disc = patches[i].area / (f32(max(patches[i].sample_count, 1u)) * 6.28318531);
         irradiance *= squared / (squared + disc);
@@ -75,7 +78,7 @@ fn irradiance_from(light: Light, i: u32, at: Sample, by_rays: bool) -> vec3f {
     if by_rays || light.layer == UNMAPPED {
         return irradiance * asked(light, at, light_here.towards, squared);
     }
-    return irradiance * visible(light, at.position, at.normal, light_here.towards);
+    return irradiance * visible(light, at.position, at.normal, light_here.towards, false);
 }
 
 fn asked(light: Light, at: Sample, towards: vec3f, squared: f32) -> f32 {
@@ -87,7 +90,7 @@ fn asked(light: Light, at: Sample, towards: vec3f, squared: f32) -> f32 {
 
 /// 1 for a light nearer to a patch than 2.5 times its size, 0 beyond 3.5 times, and in between.
 fn nearness_of(light: Light, i: u32) -> f32 {
-    if light.kind == SUN || patches[i].triangle_count > FEW {
+    if light.kind == SUN || patches[i].triangle_count > MANY {
         return 0.0;
     }
     return saturate(3.5 - distance(light.position, patches[i].centre) / sqrt(patches[i].area));
@@ -127,16 +130,19 @@ fn near_irradiance(light: Light, i: u32) -> vec3f {
             continue;
         }
         let middle = length(a + b + c) / 3.0;
-        flux += triangle_flux(light, a, b, c, omega) * windowed(light, middle);
+        flux += triangle_flux(light, patches[i].triangle_count, a, b, c, omega) * windowed(light, middle);
     }
     return light.power * (flux / patches[i].area);
 }
 
-fn triangle_flux(light: Light, a: vec3f, b: vec3f, c: vec3f, omega: f32) -> f32 {
-    if light.kind == SPOT {
+fn triangle_flux(light: Light, count: u32, a: vec3f, b: vec3f, c: vec3f, omega: f32) -> f32 {
+    if light.kind == SPOT && count <= FEW {
         return cone_in_triangle(a, b, c, light.direction, light.cone);
     }
-    return omega;
+    let middle = a + b + c;
+    let cosine = dot(light.direction, middle / max(length(middle), 1e-30));
+    let cone = saturate(light.cone.x * cosine + light.cone.y);
+    return omega * cone * cone;
 }
 
 fn windowed(light: Light, distance: f32) -> f32 {

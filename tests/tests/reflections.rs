@@ -375,7 +375,7 @@ fn prefiltered(gpu: &Gpu, size: u32, texels: &[Vec3]) -> (Vec<Cube>, Vec<Vec3>) 
     let prefilter = Prefilter::new(gpu, &mut library).unwrap();
     let harmonics = buffer::empty(gpu, "harmonics", 144, wgpu::BufferUsages::STORAGE);
     let source = prefilter.source(gpu, size, levels(size), &harmonics, 0);
-    upload(gpu, &source.texture, &Cube::new(size as usize, texels.to_vec()));
+    upload(gpu, &source.texture, &Cube::new(size as usize, texels.to_vec()), 1.0);
     let cubes = texture::cubes(gpu, "cubes", size, 2, levels(size));
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     let mut timer = engine::gpu::timing::Timer::new(gpu);

@@ -7,6 +7,7 @@ use engine::render::coarse::CoarseUniform;
 use engine::render::exposure::{ExposureState, MeterUniform};
 use engine::render::frame::FrameUniform;
 use engine::render::gather::MeanUniform;
+use engine::render::light_grid::GridUniform;
 use engine::render::lights::GpuLight;
 use engine::render::materials::{MapUniform, MaterialUniform};
 use engine::render::overlay::PanelUniform;
@@ -57,8 +58,8 @@ macro_rules! fields {
 
 #[test]
 fn frame() {
-    let fields = fields!(FrameUniform: clip_from_world, eye, forward, time, right, exposure, up, lights, view,
-        encode, pre_exposure, curve, capture, light_unit);
+    let fields = fields!(FrameUniform: clip_from_world, eye, forward, time, right, exposure, up, view,
+        cascade_ends, cascade_texels, eye_depth, encode, pre_exposure, curve, capture, light_unit);
     compare(shaders::SURFACE, "Frame", fields, size_of::<FrameUniform>());
 }
 
@@ -66,6 +67,8 @@ fn frame() {
 fn light() {
     let fields = fields!(GpuLight: position, kind, direction, range, power, layer, cone, first_view, texel);
     compare(shaders::SURFACE, "Light", fields, size_of::<GpuLight>());
+    let fields = fields!(GridUniform: low, everywhere, cells_per_metre, counts);
+    compare(shaders::SURFACE, "LightGrid", fields, size_of::<GridUniform>());
 }
 
 #[test]

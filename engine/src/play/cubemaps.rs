@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use exr::error::Error;
 use exr::prelude::{
     AttributeValue, Encoding, Image, Layer, LayerAttributes, ReadChannels, ReadLayers, RgbChannels,
-    SpecificChannels, Text, Vec2, WritableImage, f16,
+    SpecificChannels, Text, Vec2, WritableImage,
 };
 use glam::Vec3;
 
@@ -81,7 +81,7 @@ fn load(path: &Path, key: &str) -> Option<Cube> {
         .first_valid_layer();
     let image = image.all_attributes().from_file(path).ok()?;
     let found = image.layer_data.attributes.other.get(&Text::from(KEY))?;
-    let matches = matches!(found, AttributeValue::Text(text) if text.to_string() == key);
+    let matches = matches!(found, AttributeValue::Text(text) if text == key);
     let (size, texels) = image.layer_data.channel_data.pixels;
     let is_cube = size.height() == 6 * size.width() && size.width().is_power_of_two();
     let finite = texels.iter().all(|texel| texel.is_finite());
@@ -92,7 +92,7 @@ fn store(path: &Path, key: &str, cube: &Cube) -> Result<(), Error> {
     let size = cube.size();
     let texel = |at: Vec2<usize>| {
         let texel = cube.texels()[at.y() * size + at.x()];
-        (f16::from_f32(texel.x), f16::from_f32(texel.y), f16::from_f32(texel.z))
+        (texel.x, texel.y, texel.z)
     };
     let channels = SpecificChannels::rgb(texel);
     let mut attributes = LayerAttributes::named("reflections");

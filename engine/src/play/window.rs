@@ -84,7 +84,7 @@ impl Player<'_> {
         let stage = Stage::new(event_loop, window, self.options, &self.show.world, self.show.vsync)?;
         eprintln!("{}", stage.renderer.gpu().name());
         self.stage = Some(stage);
-        self.told = None;
+        (self.told, self.began) = (None, Instant::now());
         Ok(())
     }
 

@@ -124,7 +124,7 @@ fn extent(scene: &Scene, assets: &Assets, transport: &Transport) -> (DVec3, DVec
     let world_from_local = placed_at(scene, assets, 0.0);
     let baked: HashSet<_> = transport.surface.batches.iter().map(|batch| batch.entity()).collect();
     let moving = scene.entities.iter().zip(&world_from_local).flat_map(|(entity, world)| {
-        let is_drawn = !entity.hidden && !(entity.is_static && baked.contains(&entity.id));
+        let is_drawn = !(entity.hidden || entity.is_static && baked.contains(&entity.id));
         let renderer = entity.mesh.as_ref().filter(|_| is_drawn);
         let mesh = renderer.and_then(|renderer| assets.meshes.get(&renderer.mesh));
         let positions = mesh.map_or(&[][..], |mesh| &mesh.positions);

@@ -90,6 +90,11 @@ impl Renderer {
         self.target.as_ref().map(|(targets, _)| targets)
     }
 
+    /// Lights that a point has to add up, on average over the scene.
+    pub fn mean_lights(&self) -> f32 {
+        self.shadows.light_grid().mean_lights()
+    }
+
     /// Of the last picture: display = `exposure` * radiance, and it was drawn times `pre_exposure`. Blocks.
     pub fn exposed(&self) -> Result<Exposed, GpuError> {
         let frame: Vec<FrameUniform> = buffer::read(&self.gpu, &self.frame)?;
@@ -136,9 +141,7 @@ impl Renderer {
     /// What is not done, and why.
     pub fn left_out(&self) -> Vec<String> {
         let mut left_out = Vec::new();
-        if self.shadows.left_out > 0 {
-            left_out.push(format!("shadows of {} lights: too many lights", self.shadows.left_out));
-        }
+        left_out.extend(self.shadows.left_out());
         if self.transport.sky_patches == 0 {
             left_out.push("sky patches: no sky".to_owned());
         }

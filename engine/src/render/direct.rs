@@ -1,10 +1,10 @@
 //! Direct light at patches: E = M + rho * H, by the shadow maps that the surfaces use too or by shadow rays.
 
+use super::casters::Casters;
 use super::instances::{Draw, Pass};
 use super::lights::{self, GpuLight};
 use super::rays::Rays;
 use super::shaders;
-use super::shadow::Casters;
 use super::spaces::Spaces;
 use crate::gpu::pass::{self, Binding};
 use crate::gpu::shader::Library;

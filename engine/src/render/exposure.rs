@@ -156,10 +156,18 @@ impl Exposure {
         seconds.is_none()
     }
 
-    /// What is drawn from here on is drawn with this pre-exposure.
+    /// What is drawn from here on is drawn with this pre-exposure; lines, which are to look the same in any
+    /// light, with the last exposure.
     pub fn set_pre_exposure(&self, encoder: &mut wgpu::CommandEncoder, frame: &wgpu::Buffer) {
         let from = offset_of!(ExposureState, pre_exposure) as u64;
         let to = offset_of!(FrameUniform, pre_exposure) as u64;
+        encoder.copy_buffer_to_buffer(&self.state, from, frame, to, 4);
+        self.set_exposure(encoder, frame);
+    }
+
+    fn set_exposure(&self, encoder: &mut wgpu::CommandEncoder, frame: &wgpu::Buffer) {
+        let from = offset_of!(ExposureState, exposure) as u64;
+        let to = offset_of!(FrameUniform, exposure) as u64;
         encoder.copy_buffer_to_buffer(&self.state, from, frame, to, 4);
     }
 
@@ -184,9 +192,7 @@ impl Exposure {
         pass.set_pipeline(&self.adapt[many]);
         pass.dispatch_workgroups(1, 1, 1);
         drop(pass);
-        let from = offset_of!(ExposureState, exposure) as u64;
-        let to = offset_of!(FrameUniform, exposure) as u64;
-        encoder.copy_buffer_to_buffer(&self.state, from, frame.0, to, 4);
+        self.set_exposure(encoder, frame.0);
     }
 
     /// Sends what was metered on its way back, to be seen some frames later.

@@ -12,6 +12,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DAffine3, Mat4, Vec3, Vec4};
 
 use super::bounce::Bounce;
+use super::casters::Casters;
 use super::coarse::Coarse;
 use super::dering::Dering;
 use super::direct::{Direct, PatchShadows};
@@ -29,7 +30,7 @@ use super::probes::{self, Probes};
 use super::reflections::capture::Set;
 use super::reflections::{Captured, Reflections, Seen};
 use super::rows::{self, PagedRows, Summed};
-use super::shadow::{Casters, Shadows};
+use super::shadow::{Camera, Recording, Shadows};
 use super::sky::SkyPass;
 use super::sources::Sources;
 use super::spaces::Spaces;
@@ -70,6 +71,8 @@ pub struct Settings {
     pub patch_shadows: Option<PatchShadows>,
     /// Waits for what a frame measures before the next one, so that pictures repeat.
     pub wait: bool,
+    /// All lights in one list, for comparison with the grid.
+    pub no_light_grid: bool,
     /// Albedo as authored, however long light bounces in a closed room.
     pub unlimited_gain: bool,
 }
@@ -100,8 +103,11 @@ pub struct FrameUniform {
     pub right: Vec3,
     pub exposure: f32,
     pub up: Vec3,
-    pub lights: u32,
     pub view: u32,
+    /// Depths at which the cascades end; all 0: suns have their scene's map alone.
+    pub cascade_ends: Vec4,
+    pub cascade_texels: Vec4,
+    pub eye_depth: f32,
     pub encode: u32,
     pub pre_exposure: f32,
     pub curve: u32,
@@ -187,7 +193,7 @@ impl Renderer {
         let occluders = Occluders::new(&transport);
         let mut pictures = Pictures::new(gpu_ref, library)?;
         let materials = Materials::new(gpu_ref, assets, &mut pictures);
-        let shadows = Shadows::new(gpu_ref, library, materials.layout())?;
+        let shadows = Shadows::new(gpu_ref, library, materials.layout(), !settings.no_light_grid)?;
         let scene_layout = shadows.scene_layout();
         let renderer = Self {
             samples: settings.samples.unwrap_or_else(|| targets::most_samples(gpu_ref)),
@@ -263,7 +269,10 @@ impl Renderer {
             meshes: &self.meshes,
             materials: &self.materials,
         };
-        let shadowed = self.shadows.update(gpu, &mut encoder, &mut self.timer, &lights, &casters);
+        let aspect = display.width() as f32 / display.height().max(1) as f32;
+        let camera = Camera { eye: &now.eye, origin: self.transport.origin, aspect };
+        let mut recording = Recording { gpu, encoder: &mut encoder, timer: &mut self.timer };
+        let shadowed = self.shadows.update(&mut recording, &lights, &casters, &camera);
         let mapped = self.shadows.lights();
         let lit = self.direct.follow(gpu, &lights, &casters, mapped, shadowed.changed);
         let uniform = self.write_frame(gpu, now, display);
@@ -329,7 +338,14 @@ impl Renderer {
             sky: &mut self.sky,
             scenery: &scenery,
             // Kept from picture to picture, however those are exposed.
-            frame: FrameUniform { view: View::Composite as u32, pre_exposure: 1.0, capture: 1, ..frame },
+            frame: FrameUniform {
+                view: View::Composite as u32,
+                pre_exposure: 1.0,
+                cascade_ends: Vec4::ZERO,
+                capture: 1,
+                ..frame
+            },
+            brightest: self.steering.brightest(),
         };
         self.reflections.capture(encoder, &mut set, self.seen, settled)
     }
@@ -429,6 +445,7 @@ impl Renderer {
         let aspect = display.width() as f32 / display.height().max(1) as f32;
         let origin = self.transport.origin;
         let (eye, [forward, right, up]) = now.eye.rays(origin, aspect);
+        let (slices, cascade_texels) = self.shadows.cascades();
         let shows_light = now.view.shows_light();
         let uniform = FrameUniform {
             clip_from_world: now.eye.clip_from_world(origin, aspect),
@@ -438,8 +455,10 @@ impl Renderer {
             right,
             exposure: now.eye.exposure.exp2(),
             up,
-            lights: self.shadows.light_count(),
             view: now.view as u32,
+            cascade_ends: slices.ends,
+            cascade_texels,
+            eye_depth: slices.eye,
             encode: u32::from(!display.format().is_srgb()),
             pre_exposure: if shows_light { exposure::pre_exposure(now.eye.exposure) } else { 1.0 },
             curve: tonemap::curve_of(now.view, now.eye.tonemap),

@@ -47,6 +47,11 @@ pub fn on_gpu(placed: &PlacedLight) -> GpuLight {
     }
 }
 
+/// Whether nothing bounds how far it shines: suns, and what has no range.
+pub fn is_everywhere(placed: &PlacedLight) -> bool {
+    placed.light.kind == LightKind::Sun || placed.light.range.is_none()
+}
+
 pub fn shines(placed: &PlacedLight) -> bool {
     let power = placed.light.power();
     power.is_finite() && power.max_element() > 0.0

@@ -40,6 +40,7 @@ pub struct MaterialUniform {
 const MASK: u32 = 1;
 const BLEND: u32 = 2;
 const UNLIT: u32 = 4;
+const DOUBLE_SIDED: u32 = 8;
 
 pub struct Materials {
     layout: wgpu::BindGroupLayout,
@@ -179,7 +180,9 @@ fn uniform(material: &Material) -> MaterialUniform {
         roughness: material.roughness,
         normal_scale: material.normal_scale,
         cutoff,
-        flags: alpha | if material.unlit { UNLIT } else { 0 },
+        flags: alpha
+            | if material.unlit { UNLIT } else { 0 }
+            | if material.double_sided { DOUBLE_SIDED } else { 0 },
         base_map,
         metal_map,
         normal_map,

@@ -7,6 +7,8 @@
 
 mod account;
 pub mod bounce;
+pub mod cascades;
+pub mod casters;
 pub mod coarse;
 pub mod dering;
 pub mod direct;
@@ -14,6 +16,7 @@ pub mod exposure;
 pub mod frame;
 pub mod gather;
 pub mod instances;
+pub mod light_grid;
 pub mod lights;
 pub mod lines;
 pub mod materials;
@@ -29,6 +32,7 @@ pub mod reflections;
 pub mod rows;
 pub mod shaders;
 pub mod shadow;
+pub mod shadow_maps;
 mod shadow_view;
 pub mod sky;
 pub mod sources;

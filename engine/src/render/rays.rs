@@ -7,8 +7,8 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use wgpu::BufferUsages as Usage;
 
+use super::casters::Casters;
 use super::instances::{Draw, Instance, Pass};
-use super::shadow::Casters;
 use crate::gpu::buffer::{self, Held};
 use crate::gpu::pass::{self, Binding};
 use crate::gpu::{Gpu, GpuError};

@@ -1,25 +1,28 @@
 //! Shadow maps: what a light sees, as depth, drawn again only when the light or something that it sees changed.
 //!
-//! A sun has one map over the whole scene, so that patches that no camera sees are right too; a spot has one,
-//! a point light six. They are layers of three array textures. Maps are drawn unculled: a back face blocks.
+//! A sun has one map over the whole scene, so that patches that no camera sees are right too, and four cascades about
+//! what the camera sees, where the scene is too large for the one; a spot has one, a point light six. They are
+//! layers of three array textures ([`super::shadow_maps`]). Front and back of surfaces block ([`super::casters`]).
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 use bytemuck::{Pod, Zeroable};
-use glam::{Mat4, Vec3, Vec4};
+use glam::{DVec3, Mat4, Vec3, Vec4};
 use wgpu::BufferUsages as Usage;
 
-use super::instances::{Instances, Pass};
+use super::cascades::{self, CASCADES, Slices};
+use super::casters::{CasterPass, Casters, Stamps};
+use super::light_grid::{GridUniform, LightGrid};
 use super::lights::{self, GpuLight};
-use super::materials::Materials;
-use super::meshes::{Meshes, StillBuffers};
-use super::shadow_view::{self, POINT, Seen, fit, kind_of};
-use super::{shaders, surface};
+use super::shadow_maps::{self, Maps};
+use super::shadow_view::{self, POINT, Place, SPOT, SUN, Seen, fit, kind_of};
+use super::view::Eye;
 use crate::gpu::buffer::Held;
 use crate::gpu::pass::{self, Binding};
 use crate::gpu::shader::Library;
 use crate::gpu::timing::Timer;
 use crate::gpu::{Gpu, GpuError, texture};
+use crate::scene::EntityId;
 use crate::transport::direct::PlacedLight;
 
 /// `ShadowView` in `shadow.wgsl`, and the room that a dynamic offset leaves.
@@ -30,40 +33,43 @@ pub struct ShadowView {
     pub padding: [Vec4; 12],
 }
 
-/// The most lights of each kind that cast shadows.
-pub const MOST: [usize; 3] = [4, 32, 32];
 pub struct Shadows {
-    pipelines: [wgpu::RenderPipeline; 4],
+    casters: CasterPass,
     maps: [Maps; 3],
     slots: Held<ShadowView>,
     matrices: Held<Mat4>,
     lights: Held<GpuLight>,
+    grid: LightGrid,
     comparison: wgpu::Sampler,
     slot_layout: wgpu::BindGroupLayout,
     scene_layout: wgpu::BindGroupLayout,
     slot_group: wgpu::BindGroup,
     scene_group: wgpu::BindGroup,
-    bound: [u64; 3],
+    bound: [u64; 5],
+    /// Matrices without the camera's.
+    steady: Vec<Mat4>,
     /// Lights that should cast a shadow, but are too many.
-    pub left_out: usize,
+    too_many: usize,
+    suns: usize,
     /// The sphere that sun maps cover.
     fit: (Vec3, f32),
+    slices: Slices,
+    /// Lights with a range are found by the grid, and not all in one list.
+    in_grid: bool,
 }
 
-struct Maps {
-    texture: wgpu::Texture,
-    /// Texels across a map, once there is one.
-    size: u32,
-    /// By layer: what is drawn there.
-    drawn: Vec<u64>,
+/// Where a frame's commands go.
+pub struct Recording<'a> {
+    pub gpu: &'a Gpu,
+    pub encoder: &'a mut wgpu::CommandEncoder,
+    pub timer: &'a mut Timer,
 }
 
-/// What drawing casters needs.
-pub struct Casters<'a> {
-    pub instances: &'a Instances,
-    pub still: &'a StillBuffers,
-    pub meshes: &'a Meshes,
-    pub materials: &'a Materials,
+/// The view that cascades are for.
+pub struct Camera<'a> {
+    pub eye: &'a Eye,
+    pub origin: DVec3,
+    pub aspect: f32,
 }
 
 /// What a frame's shadows came to.
@@ -73,46 +79,58 @@ pub struct Shadowed {
     pub draws: u32,
 }
 
+/// The lights that shine, and the maps to be seen to.
+struct Assigned<'a> {
+    /// Those that reach all come first.
+    lights: Vec<GpuLight>,
+    placed: Vec<&'a PlacedLight>,
+    everywhere: usize,
+    seen: Vec<Seen>,
+}
+
 impl Shadows {
     pub fn new(
         gpu: &Gpu,
         library: &mut Library,
         material_layout: &wgpu::BindGroupLayout,
+        in_grid: bool,
     ) -> Result<Self, GpuError> {
-        use Binding::{Comparison, DepthLayers, Read};
+        use Binding::{Comparison, DepthLayers, Read, Uniform};
         let both = wgpu::ShaderStages::FRAGMENT | wgpu::ShaderStages::COMPUTE;
         let slot_layout =
             pass::layout(gpu, "shadow view", wgpu::ShaderStages::VERTEX, &[Binding::UniformSlot]);
-        let scene_layout = pass::layout(
-            gpu,
-            "scene",
-            both,
-            &[Read, Read, DepthLayers, DepthLayers, DepthLayers, Comparison],
-        );
-        let sizes = if gpu.software { [2048, 1024, 512] } else { [4096, 1024, 512] };
-        let maps = [0, 1, 2].map(|kind| Maps::new(gpu, sizes[kind], 0));
+        let bindings = [Read, Read, DepthLayers, DepthLayers, DepthLayers, Comparison, Uniform, Read];
+        let scene_layout = pass::layout(gpu, "scene", both, &bindings);
+        let maps = [SUN, SPOT, POINT].map(|kind| Maps::new(gpu, kind));
         let slots = Held::new(gpu, "shadow views", Usage::UNIFORM);
         let matrices = Held::new(gpu, "shadow views", Usage::STORAGE);
         let lights = Held::new(gpu, "lights", Usage::STORAGE);
+        let grid = LightGrid::new(gpu);
         let comparison = comparison(gpu);
+        let buffers = [lights.buffer(), matrices.buffer(), grid.uniform.buffer(), grid.lists.buffer()];
         Ok(Self {
-            pipelines: pipelines(gpu, library, &slot_layout, material_layout)?,
+            casters: CasterPass::new(gpu, library, &slot_layout, material_layout)?,
             slot_group: slot_group(gpu, &slot_layout, &slots),
-            scene_group: scene_group(gpu, &scene_layout, &lights, &matrices, &maps, &comparison),
-            bound: [0; 3],
+            scene_group: scene_group(gpu, &scene_layout, buffers, &maps, &comparison),
+            bound: [0; 5],
             maps,
             slots,
             matrices,
             lights,
+            grid,
             comparison,
             slot_layout,
             scene_layout,
-            left_out: 0,
+            steady: Vec::new(),
+            too_many: 0,
+            suns: 0,
             fit: (Vec3::ZERO, 1.0),
+            slices: Slices::default(),
+            in_grid,
         })
     }
 
-    /// Group 1: lights and their maps.
+    /// Group 1: lights, their grid and their maps.
     pub fn scene_layout(&self) -> &wgpu::BindGroupLayout {
         &self.scene_layout
     }
@@ -126,121 +144,175 @@ impl Shadows {
         self.lights.items()
     }
 
-    pub fn light_count(&self) -> u32 {
-        self.lights.items().len() as u32
+    /// The camera's slices, and the widths of their texels [m].
+    pub fn cascades(&self) -> (Slices, Vec4) {
+        (self.slices, self.slices.texels(self.maps[SUN].size.max(64)))
+    }
+
+    pub fn light_grid(&self) -> &LightGrid {
+        &self.grid
     }
 
     pub fn bytes(&self) -> u64 {
-        let of = |maps: &Maps| {
-            let texels = u64::from(maps.texture.width()) * u64::from(maps.texture.height());
-            texels * 4 * u64::from(maps.texture.depth_or_array_layers())
-        };
-        self.maps.iter().map(of).sum()
+        self.maps.iter().map(Maps::bytes).sum()
+    }
+
+    /// What is not done, and why.
+    pub fn left_out(&self) -> Vec<String> {
+        let mut left_out = Vec::new();
+        if self.too_many > 0 {
+            left_out.push(format!("shadows of {} lights: too many lights", self.too_many));
+        }
+        if self.suns > 0 && self.maps[SUN].each == 1 {
+            let texel = 2000.0 * self.fit.1 / self.maps[SUN].size.max(1) as f32;
+            left_out.push(format!("sun cascades: the map of the whole scene has texels of {texel:.1} mm"));
+        }
+        left_out
     }
 
     /// Follows lights and casters, and draws the maps that are not what they should be.
     pub fn update(
         &mut self,
-        gpu: &Gpu,
-        encoder: &mut wgpu::CommandEncoder,
-        timer: &mut Timer,
+        recording: &mut Recording<'_>,
         placed: &[PlacedLight],
         casters: &Casters<'_>,
+        camera: &Camera<'_>,
     ) -> Shadowed {
+        let gpu = recording.gpu;
         self.fit = fit(self.fit, casters.instances);
         self.make_room(gpu, placed);
-        let (on_gpu, seen) = self.assign(placed);
-        let matrices: Vec<Mat4> = seen.iter().map(|seen| seen.clip_from_world).collect();
-        let slots: Vec<ShadowView> = matrices
-            .iter()
-            .map(|&clip_from_world| ShadowView { clip_from_world, padding: [Vec4::ZERO; 12] })
-            .collect();
-        self.slots.write(gpu, &slots);
-        let mut changed = self.matrices.write(gpu, &matrices);
-        changed |= self.lights.write(gpu, &on_gpu);
+        self.slices = match self.maps[SUN].each {
+            1 => Slices::default(),
+            _ => Slices::new(camera.eye, camera.origin, camera.aspect, self.fit.1),
+        };
+        let assigned = self.assign(placed);
+        let changed = self.write(gpu, &assigned, casters);
         self.bind(gpu);
-        let mut draws = 0;
-        for (slot, seen) in seen.iter().enumerate() {
-            let signature = signature(seen, casters);
-            if self.maps[seen.kind].drawn[seen.layer] != signature {
-                self.maps[seen.kind].drawn[seen.layer] = signature;
-                draws += self.draw(encoder, timer, slot, seen, casters);
-                changed = true;
-            }
-        }
-        Shadowed { changed, draws }
+        let mut shadowed = Shadowed { changed, draws: 0 };
+        self.draw_stale(recording, &assigned.seen, casters, &mut shadowed);
+        shadowed
     }
 
-    /// Textures with a layer for every light that casts shadows.
+    /// Layers for every light that casts shadows.
     fn make_room(&mut self, gpu: &Gpu, placed: &[PlacedLight]) {
-        let mut wanted = [0; 3];
+        let mut wanted: [Vec<EntityId>; 3] = Default::default();
         for light in placed.iter().filter(|light| light.light.casts_shadows) {
-            wanted[kind_of(light)] += 1;
+            wanted[kind_of(light)].push(light.entity);
         }
-        self.left_out = (0..3).map(|kind| wanted[kind] - MOST[kind].min(wanted[kind])).sum();
+        self.suns = wanted[SUN].len();
+        self.too_many = 0;
+        let needed = cascades::are_needed(self.fit.1, shadow_maps::largest_sun(gpu));
         for (kind, maps) in self.maps.iter_mut().enumerate() {
-            let layers = wanted[kind].min(MOST[kind]) * if kind == POINT { 6 } else { 1 };
-            if layers > maps.drawn.len() {
-                *maps = Maps::new(gpu, maps.size, layers);
+            let each = shadow_maps::layers_each(kind, if needed { CASCADES } else { 0 });
+            if maps.keep(gpu, &wanted[kind], each) {
                 // Bound anew.
-                self.bound = [u64::MAX; 3];
+                self.bound = [u64::MAX; 5];
             }
+            self.too_many += maps.left_out(wanted[kind].len());
         }
     }
 
     /// Which light has which map, for all lights that shine.
-    fn assign(&self, placed: &[PlacedLight]) -> (Vec<GpuLight>, Vec<Seen>) {
-        let (mut on_gpu, mut seen) = (Vec::new(), Vec::new());
-        let mut next = [0; 3];
-        for light in placed {
-            let kind = kind_of(light);
-            let mut described = lights::on_gpu(light);
-            if light.light.casts_shadows && next[kind] >= MOST[kind] {
-                described.layer = lights::UNMAPPED;
-            }
-            if light.light.casts_shadows && next[kind] < MOST[kind] {
-                let layer = next[kind] * if kind == POINT { 6 } else { 1 };
-                next[kind] += 1;
-                if lights::shines(light) {
-                    described.layer = layer as i32;
-                    described.first_view = seen.len() as u32;
-                    described.texel =
-                        shadow_view::see(light, layer, self.maps[kind].size, self.fit, &mut seen);
-                }
-            }
-            if lights::shines(light) {
-                on_gpu.push(described);
-            }
+    fn assign<'a>(&self, placed: &'a [PlacedLight]) -> Assigned<'a> {
+        let shining = placed.iter().filter(|light| lights::shines(light));
+        let (everywhere, local): (Vec<_>, Vec<_>) = shining.partition(|light| lights::is_everywhere(light));
+        let count = if self.in_grid { everywhere.len() } else { everywhere.len() + local.len() };
+        let placed: Vec<&PlacedLight> = everywhere.into_iter().chain(local).collect();
+        let mut seen = Vec::new();
+        let lights = placed.iter().enumerate();
+        let lights = lights.map(|(number, light)| self.described(number, light, &mut seen)).collect();
+        Assigned { lights, placed, everywhere: count, seen }
+    }
+
+    fn described(&self, number: usize, light: &PlacedLight, seen: &mut Vec<Seen>) -> GpuLight {
+        let mut described = lights::on_gpu(light);
+        if !light.light.casts_shadows {
+            return described;
         }
-        (on_gpu, seen)
+        let maps = &self.maps[kind_of(light)];
+        described.layer = lights::UNMAPPED;
+        if let Some(layer) = maps.layer(light.entity) {
+            let place = Place { light: number, layer, size: maps.size, fit: self.fit };
+            described.layer = layer as i32;
+            described.first_view = seen.len() as u32;
+            described.texel = shadow_view::see(light, &place, &self.slices, seen);
+        }
+        described
+    }
+
+    /// Returns whether a light differs from the last frame.
+    fn write(&mut self, gpu: &Gpu, assigned: &Assigned<'_>, casters: &Casters<'_>) -> bool {
+        let matrices: Vec<Mat4> = assigned.seen.iter().map(|seen| seen.clip_from_world).collect();
+        let slot = |&clip_from_world: &Mat4| ShadowView { clip_from_world, padding: [Vec4::ZERO; 12] };
+        self.slots.write(gpu, &matrices.iter().map(slot).collect::<Vec<_>>());
+        self.matrices.write(gpu, &matrices);
+        let steady = assigned.seen.iter().filter(|seen| !seen.of_camera).map(|seen| seen.clip_from_world);
+        let steady: Vec<Mat4> = steady.collect();
+        let moved = self.steady != steady;
+        self.steady = steady;
+        let changed = self.lights.write(gpu, &assigned.lights);
+        self.grid.update(gpu, &assigned.placed, assigned.everywhere, casters.instances, changed);
+        changed || moved
     }
 
     fn bind(&mut self, gpu: &Gpu) {
-        let now = [self.slots.generation, self.matrices.generation, self.lights.generation];
+        let (uniform, lists) = (&self.grid.uniform, &self.grid.lists);
+        let now = [
+            self.slots.generation,
+            self.matrices.generation,
+            self.lights.generation,
+            uniform.generation,
+            lists.generation,
+        ];
         if self.bound != now {
             self.bound = now;
             self.slot_group = slot_group(gpu, &self.slot_layout, &self.slots);
-            self.scene_group = scene_group(
-                gpu,
-                &self.scene_layout,
-                &self.lights,
-                &self.matrices,
-                &self.maps,
-                &self.comparison,
-            );
+            let buffers = [self.lights.buffer(), self.matrices.buffer(), uniform.buffer(), lists.buffer()];
+            self.scene_group = scene_group(gpu, &self.scene_layout, buffers, &self.maps, &self.comparison);
         }
     }
 
+    /// Draws the maps that show something else than they should.
+    fn draw_stale(
+        &mut self,
+        recording: &mut Recording<'_>,
+        all: &[Seen],
+        casters: &Casters<'_>,
+        shadowed: &mut Shadowed,
+    ) {
+        let stamps = Stamps::new(casters);
+        let everything = &casters.instances.draws;
+        let mut reached: (usize, Vec<usize>) = (usize::MAX, Vec::new());
+        for (slot, seen) in all.iter().enumerate() {
+            let looked_at = look(seen, &stamps);
+            let content = &mut self.maps[seen.kind].drawn[seen.layer];
+            if content.looked_at == looked_at {
+                continue;
+            }
+            content.looked_at = looked_at;
+            if reached.0 != seen.light {
+                let reaches = |index: &usize| seen.reaches(&everything[*index]);
+                reached = (seen.light, (0..everything.len()).filter(reaches).collect());
+            }
+            let signature = stamps.of_map(seen, &reached.1, everything);
+            if content.signature != signature {
+                content.signature = signature;
+                shadowed.draws += self.draw(recording, (slot, seen), &reached.1, casters);
+                shadowed.changed |= !seen.of_camera;
+            }
+        }
+    }
+
+    /// Returns the draws.
     fn draw(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        timer: &mut Timer,
-        slot: usize,
-        seen: &Seen,
+        &mut self,
+        recording: &mut Recording<'_>,
+        (slot, seen): (usize, &Seen),
+        reached: &[usize],
         casters: &Casters<'_>,
     ) -> u32 {
         let view = texture::layer(&self.maps[seen.kind].texture, seen.layer as u32);
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        let mut pass = recording.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("shadow"),
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &view,
@@ -250,49 +322,21 @@ impl Shadows {
                 }),
                 stencil_ops: None,
             }),
-            timestamp_writes: timer.render("shadow"),
+            timestamp_writes: recording.timer.render("shadow"),
             ..Default::default()
         });
         pass.set_bind_group(0, &self.slot_group, &[(slot * size_of::<ShadowView>()) as u32]);
-        let mut draws = 0;
-        for draw in casters.instances.draws.iter().filter(|draw| seen.sees(draw)) {
-            let holes = draw.pass != Pass::Opaque;
-            pass.set_pipeline(&self.pipelines[usize::from(draw.mesh.is_some()) * 2 + usize::from(holes)]);
-            if holes {
-                pass.set_bind_group(3, casters.materials.group(draw.material), &[]);
-            }
-            surface::bind_mesh(&mut pass, draw, casters.still, casters.meshes, casters.instances, false);
-            pass.draw_indexed(draw.indices.clone(), 0, 0..1);
-            draws += 1;
-        }
-        draws
+        self.casters.draw(recording.gpu, &mut pass, seen, reached, casters)
     }
 }
 
-/// A number for everything that a map shows.
-fn signature(seen: &Seen, casters: &Casters<'_>) -> u64 {
+/// A number for the view of a map and for all that could be seen in it.
+fn look(seen: &Seen, stamps: &Stamps) -> u64 {
     let mut hasher = DefaultHasher::new();
     bytemuck::bytes_of(&seen.clip_from_world).hash(&mut hasher);
-    for draw in casters.instances.draws.iter().filter(|draw| seen.sees(draw)) {
-        (draw.mesh, &draw.indices).hash(&mut hasher);
-        if draw.mesh.is_some() {
-            let instance = &casters.instances.buffer.items()[draw.instance as usize];
-            bytemuck::cast_slice::<_, u8>(&instance.rows).hash(&mut hasher);
-        }
-        if draw.pass != Pass::Opaque {
-            (draw.material, casters.materials.holes(draw.material)).hash(&mut hasher);
-        }
-    }
-    // 0 is a layer that was never drawn.
+    (seen.reach.map(|(_, reach)| reach.to_bits()), stamps.all).hash(&mut hasher);
+    // 0 is a layer that was never looked at.
     hasher.finish().max(1)
-}
-
-impl Maps {
-    fn new(gpu: &Gpu, size: u32, layers: usize) -> Self {
-        let texels = if layers == 0 { 1 } else { size };
-        let texture = texture::depth_layers(gpu, "shadow maps", texels, layers as u32);
-        Self { texture, size, drawn: vec![0; layers] }
-    }
 }
 
 fn comparison(gpu: &Gpu) -> wgpu::Sampler {
@@ -315,53 +359,19 @@ fn slot_group(gpu: &Gpu, layout: &wgpu::BindGroupLayout, slots: &Held<ShadowView
     pass::group(gpu, "shadow view", layout, &[slot])
 }
 
+/// `buffers`: lights, views, grid, lists.
 fn scene_group(
     gpu: &Gpu,
     layout: &wgpu::BindGroupLayout,
-    lights: &Held<GpuLight>,
-    matrices: &Held<Mat4>,
+    buffers: [&wgpu::Buffer; 4],
     maps: &[Maps; 3],
     comparison: &wgpu::Sampler,
 ) -> wgpu::BindGroup {
     let views = maps.each_ref().map(|maps| texture::as_layers(&maps.texture));
-    let mut resources = vec![lights.buffer().as_entire_binding(), matrices.buffer().as_entire_binding()];
-    resources.extend(views.iter().map(wgpu::BindingResource::TextureView));
-    resources.push(wgpu::BindingResource::Sampler(comparison));
-    pass::group(gpu, "scene", layout, &resources)
+    let [lights, matrices, grid, lists] = buffers.map(wgpu::Buffer::as_entire_binding);
+    let [suns, spots, points] = views.each_ref().map(wgpu::BindingResource::TextureView);
+    let nearer = wgpu::BindingResource::Sampler(comparison);
+    pass::group(gpu, "scene", layout, &[lights, matrices, suns, spots, points, nearer, grid, lists])
 }
 
-/// Still, still with holes, moving, moving with holes.
-fn pipelines(
-    gpu: &Gpu,
-    library: &mut Library,
-    slot_layout: &wgpu::BindGroupLayout,
-    material_layout: &wgpu::BindGroupLayout,
-) -> Result<[wgpu::RenderPipeline; 4], GpuError> {
-    let module = library.module(gpu, shaders::SHADOW)?;
-    let make = |moving: bool, holes: bool| {
-        let material = holes.then_some(material_layout);
-        let fragment = holes.then(|| wgpu::FragmentState {
-            module: &module,
-            entry_point: Some("holes"),
-            compilation_options: Default::default(),
-            targets: &[],
-        });
-        gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("shadow"),
-            layout: Some(&pass::pipeline_layout(gpu, &[Some(slot_layout), None, None, material])),
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some(if moving { "moving" } else { "still" }),
-                compilation_options: Default::default(),
-                buffers: surface::vertex_layouts(moving, false),
-            },
-            primitive: Default::default(),
-            depth_stencil: Some(surface::depth_state(true)),
-            multisample: Default::default(),
-            fragment,
-            multiview_mask: None,
-            cache: None,
-        })
-    };
-    Ok([make(false, false), make(false, true), make(true, false), make(true, true)])
-}
+const _: () = assert!(size_of::<GridUniform>() <= 64, "an empty uniform buffer has room for 64 bytes");

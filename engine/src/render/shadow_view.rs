@@ -1,7 +1,8 @@
-//! What shadow maps look at: one view a sun or spot, six a point light.
+//! What shadow maps look at: one view a spot, six a point light, one a sun and one a cascade.
 
 use glam::{Mat4, Vec3};
 
+use super::cascades::{CASCADES, Slices};
 use super::instances::{Draw, Instances};
 use super::view::{orthographic, perspective, view_from_world};
 use crate::scene::LightKind;
@@ -14,41 +15,61 @@ pub const POINT: usize = 2;
 /// Metres: what is nearer to a spot or point light casts no shadow.
 const NEAR: f32 = 0.02;
 /// Texels beyond the edge of a map that its filter reads.
-const BORDER: f32 = 2.0;
+pub const BORDER: f32 = 4.0;
 
 /// One map to be seen to.
 pub struct Seen {
+    /// Number of the light whose map it is.
+    pub light: usize,
     pub kind: usize,
     pub layer: usize,
     pub clip_from_world: Mat4,
     /// Casters farther from the light do not matter.
     pub reach: Option<(Vec3, f32)>,
+    /// A sun's map for the camera: no light changes where it does.
+    pub of_camera: bool,
 }
 
-/// Adds the maps of one light, `size` texels across, from `layer` on. `fit` is what a sun's map covers. Returns the
-/// width of a texel: a sun's everywhere, others' at distance 1.
-pub fn see(light: &PlacedLight, layer: usize, size: u32, fit: (Vec3, f32), seen: &mut Vec<Seen>) -> f32 {
-    let (kind, size) = (kind_of(light), size as f32);
-    let reach = light.light.range.map(|range| (light.position, range));
-    let mut add = |layer, clip_from_world, reach| seen.push(Seen { kind, layer, clip_from_world, reach });
+/// Where a light's maps are.
+pub struct Place {
+    pub light: usize,
+    /// The first one, and texels across each.
+    pub layer: usize,
+    pub size: u32,
+    /// The sphere that the map of the whole scene covers.
+    pub fit: (Vec3, f32),
+}
+
+/// Adds the maps of one light: a sun's one over the whole scene and one a slice of the camera's, if there are any,
+/// a spot's one, a point light's six. Returns the width of a texel: a sun's everywhere, others' at distance 1.
+pub fn see(light: &PlacedLight, place: &Place, slices: &Slices, seen: &mut Vec<Seen>) -> f32 {
+    let (kind, size) = (kind_of(light), place.size as f32);
+    let reach = light.light.range.filter(|_| kind != SUN).map(|range| (light.position, range));
+    let mut add = |above: usize, clip_from_world| {
+        let of_camera = kind == SUN && above > 0;
+        let layer = place.layer + above;
+        seen.push(Seen { light: place.light, kind, layer, clip_from_world, reach, of_camera });
+    };
     match light.light.kind {
         LightKind::Sun => {
-            let (clip_from_world, texel) = sun_view(light.direction, fit, size);
-            add(layer, clip_from_world, None);
+            let (clip_from_world, texel) = sun_view(light.direction, place.fit, size);
+            add(0, clip_from_world);
+            for slice in (0..CASCADES).filter(|_| slices.any()) {
+                add(1 + slice, slices.clip_from_world(slice, light.direction, place.fit, place.size));
+            }
             texel
         }
         LightKind::Spot { outer, .. } => {
             let half = outer.clamp(0.01, 1.4).tan() * (1.0 + 2.0 * BORDER / size);
             let clip_from_view = perspective(half, half, NEAR, None);
-            add(layer, clip_from_view * view_from_world(light.position, axes(light.direction)), reach);
+            add(0, clip_from_view * view_from_world(light.position, axes(light.direction)));
             2.0 * half / size
         }
         LightKind::Point => {
             let half = 1.0 + 2.0 * BORDER / size;
             let clip_from_view = perspective(half, half, NEAR, None);
             for (face, direction) in FACES.into_iter().enumerate() {
-                let view = view_from_world(light.position, axes(direction));
-                add(layer + face, clip_from_view * view, reach);
+                add(face, clip_from_view * view_from_world(light.position, axes(direction)));
             }
             2.0 * half / size
         }
@@ -56,13 +77,20 @@ pub fn see(light: &PlacedLight, layer: usize, size: u32, fit: (Vec3, f32), seen:
 }
 
 impl Seen {
-    pub fn sees(&self, draw: &Draw) -> bool {
+    /// Whether the light reaches what may stand in it.
+    pub fn reaches(&self, draw: &Draw) -> bool {
         let near = |(centre, reach): (Vec3, f32)| draw.centre.distance(centre) <= reach + draw.radius;
-        draw.casts && self.reach.is_none_or(near) && in_sight(&self.clip_from_world, draw.centre, draw.radius)
+        draw.casts && !draw.indices.is_empty() && self.reach.is_none_or(near)
+    }
+
+    /// Whether what the light reaches is inside the sides of the map; what lies in front of a sun's near side counts,
+    /// too.
+    pub fn sees(&self, draw: &Draw) -> bool {
+        in_sight(&self.clip_from_world, draw.centre, draw.radius)
     }
 }
 
-/// Whether a sphere is inside the sides of a view; what lies in front of a sun's near side counts, too.
+/// Whether a sphere is inside the sides of a view, or across them.
 pub fn in_sight(clip_from_world: &Mat4, centre: Vec3, radius: f32) -> bool {
     let row = |i| clip_from_world.row(i);
     let planes = [row(3) + row(0), row(3) - row(0), row(3) + row(1), row(3) - row(1)];
@@ -80,7 +108,7 @@ pub fn kind_of(light: &PlacedLight) -> usize {
 const FACES: [Vec3; 6] = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
 
 /// Right, up and back for a view along `direction`.
-fn axes(direction: Vec3) -> [Vec3; 3] {
+pub fn axes(direction: Vec3) -> [Vec3; 3] {
     let up = if direction.y.abs() > 0.9 { Vec3::X } else { Vec3::Y };
     let right = direction.cross(up).normalize();
     [right, right.cross(direction), -direction]

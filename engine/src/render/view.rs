@@ -151,7 +151,7 @@ impl Eye {
     }
 
     /// Half width and half height of the picture at distance 1 (parallel rays: in metres).
-    fn half(&self, aspect: f32) -> [f32; 2] {
+    pub fn half(&self, aspect: f32) -> [f32; 2] {
         let height = match self.projection {
             Projection::Perspective { fov_y } => (fov_y.clamp(1e-3, 3.1) * 0.5).tan(),
             Projection::Orthographic { half_height } => half_height.abs().max(1e-6),

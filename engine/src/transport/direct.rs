@@ -131,13 +131,15 @@ fn irradiance_of_patch(
     mean * (1.0 - nearness) + near_irradiance(transport, patch, light) * (nearness * seen / all)
 }
 
-/// Patches of more triangles than this (clusters: a part of a statue) are not summed over; see [`disc`].
+/// Up to so many triangles, each is given its exact part of a cone; small ones of many are taken at their middle.
 pub const FEW: u32 = 32;
+/// Patches of more triangles than this (clusters: a part of a statue) are not summed over; see [`disc`].
+pub const MANY: u32 = 1024;
 
 /// 1 for a light nearer to a patch than 2.5 times its size, whose share is taken from the patch's solid angle; 0 beyond
 /// 3.5 times, where the samples' mean is within half a percent; between them it goes from one to the other.
 fn nearness(patch: &Patch, light: &PlacedLight) -> f32 {
-    if matches!(light.light.kind, LightKind::Sun) || patch.triangle_count > FEW {
+    if matches!(light.light.kind, LightKind::Sun) || patch.triangle_count > MANY {
         return 0.0;
     }
     let sizes = light.position.distance(patch.centre) / patch.area.sqrt();
@@ -146,9 +148,10 @@ fn nearness(patch: &Patch, light: &PlacedLight) -> f32 {
 
 /// What is added to squared distances [m2]. A sample of a cluster stands for a disc of the area a = A / samples,
 /// whose solid angle a cos / (d^2 + a / 2 pi) is right far away (a point), over its middle (2 pi at no distance) and
-/// within 15 % between; so no sample takes more than 2 pi I.
+/// within 15 % between; so no sample takes more than 2 pi I. A light over a ball gives it up to a fifth of its light too
+/// much.
 fn disc(patch: &Patch) -> f32 {
-    if patch.triangle_count <= FEW { 0.0 } else { patch.area / (patch.sample_count.max(1) as f32 * TAU) }
+    if patch.triangle_count <= MANY { 0.0 } else { patch.area / (patch.sample_count.max(1) as f32 * TAU) }
 }
 
 /// How much a sample says of what is seen of a near patch: its part of the patch's solid angle.
@@ -158,7 +161,8 @@ fn near_weight(sample: &Sample, light: &PlacedLight) -> f32 {
     sample.normal.dot(way).max(0.0) / (squared * squared.sqrt()).max(1e-18)
 }
 
-/// H = I Omega / A: what a light that is near gives a patch, which is never more than it has.
+/// H = I Omega / A: what a light that is near gives a patch. Exact where the patch does not hide itself, which flat and
+/// convex ones do not; of others the share of samples that are seen counts.
 fn near_irradiance(transport: &Transport, patch: &Patch, light: &PlacedLight) -> Vec3 {
     let range = patch.first_triangle as usize..(patch.first_triangle + patch.triangle_count) as usize;
     let (scale, offset) = light.light.cone();
@@ -172,8 +176,14 @@ fn near_irradiance(transport: &Transport, patch: &Patch, light: &PlacedLight) ->
             continue;
         }
         let in_cone = match light.light.kind {
-            LightKind::Spot { .. } => cone_in_triangle(corners, light.direction, [scale, offset]),
-            _ => omega,
+            LightKind::Spot { .. } if patch.triangle_count <= FEW => {
+                cone_in_triangle(corners, light.direction, [scale, offset])
+            }
+            _ => {
+                let cosine = light.direction.dot((a + b + c).normalize_or_zero());
+                let cone = (scale * cosine + offset).clamp(0.0, 1.0);
+                omega * cone * cone
+            }
         };
         flux += in_cone * light.light.window((a + b + c).length() / 3.0);
     }

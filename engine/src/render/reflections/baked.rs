@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use glam::Vec3;
 
 use super::capture::Set;
-use super::{Probe, Reflections, Seen};
+use super::{Probe, Reflections, Seen, unit_of};
 use crate::gpu::{Gpu, GpuError, texture};
 use crate::scene::{EntityId, Refresh};
 use crate::transport::reflection::Cube;
@@ -36,21 +36,25 @@ impl Reflections {
         for (index, probe) in self.probes.iter_mut().enumerate() {
             let Some(cube) = self.given.remove(&probe.entity) else { continue };
             if probe.settings.refresh == Refresh::Baked && cube.size() == probe.source.size as usize {
-                upload(set.gpu, &probe.source.texture, &cube);
+                let brightest = cube.texels().iter().map(|texel| texel.max_element()).fold(0.0, f32::max);
+                probe.unit = unit_of(brightest, 1.0);
+                probe.read_unit = probe.unit;
+                upload(set.gpu, &probe.source.texture, &cube, probe.unit);
                 self.prefilter.run(encoder, set.timer, &probe.source, &self.cubes.faces[index + 1]);
                 probe.schedule.keep(seen);
                 probe.kept = true;
             }
         }
+        self.write_probes(set.gpu);
     }
 }
 
-/// Into the largest level.
-pub fn upload(gpu: &Gpu, texture: &wgpu::Texture, cube: &Cube) {
+/// Into the largest level, over `unit`.
+pub fn upload(gpu: &Gpu, texture: &wgpu::Texture, cube: &Cube, unit: f32) {
     let size = cube.size() as u32;
     for (face, texels) in (0..).zip(cube.texels().chunks_exact((size * size) as usize)) {
         let halves: Vec<[u16; 4]> =
-            texels.iter().map(|texel| texel.extend(1.0).to_array().map(texture::half)).collect();
+            texels.iter().map(|texel| (*texel / unit).extend(1.0).to_array().map(texture::half)).collect();
         let origin = wgpu::Origin3d { x: 0, y: 0, z: face };
         gpu.queue.write_texture(
             wgpu::TexelCopyTextureInfo { origin, ..texture.as_image_copy() },
@@ -68,5 +72,6 @@ fn download(gpu: &Gpu, probe: &Probe) -> Result<Cube, GpuError> {
         let value = |at: &[u8]| texture::single(u16::from_le_bytes([at[0], at[1]]));
         texels.extend(bytes.chunks_exact(8).map(|at| Vec3::new(value(at), value(&at[2..]), value(&at[4..]))));
     }
-    Ok(Cube::new(probe.source.size as usize, texels))
+    let radiance = texels.into_iter().map(|texel| texel * probe.read_unit).collect();
+    Ok(Cube::new(probe.source.size as usize, radiance))
 }

@@ -19,6 +19,8 @@ pub struct Set<'a> {
     pub scenery: &'a Scenery<'a>,
     /// What all faces of a frame share.
     pub frame: FrameUniform,
+    /// The largest radiosity [W/m2].
+    pub brightest: f32,
 }
 
 /// Uniforms of the faces that are taken in one frame.

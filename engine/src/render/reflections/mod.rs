@@ -87,6 +87,9 @@ struct Probe {
     sight: Option<(Vec3, Sight)>,
     /// What it shows is to be kept on disk, or is from there.
     kept: bool,
+    /// Radiance of one unit of the capture at hand, and of the cubemap that is read.
+    unit: f32,
+    read_unit: f32,
 }
 
 /// What a frame's captures came to.
@@ -177,10 +180,7 @@ impl Reflections {
             }
         }
         self.look(transport);
-        let groups = self.ranked.groups();
-        let described: Vec<GpuReflectionProbe> =
-            (0..probes.len()).map(|index| self.described(index, groups[index])).collect();
-        self.held.write(gpu, &described);
+        self.write_probes(gpu);
         self.write_uses(gpu, now, instances, origin, with_sky);
     }
 
@@ -238,8 +238,17 @@ impl Reflections {
             schedule: Schedule::default(),
             sight: None,
             kept: false,
+            unit: 1.0,
+            read_unit: 1.0,
         };
         self.probes = (1..).zip(probes).map(probe).collect();
+    }
+
+    fn write_probes(&mut self, gpu: &Gpu) {
+        let groups = self.ranked.groups();
+        let described: Vec<GpuReflectionProbe> =
+            (0..self.probes.len()).map(|index| self.described(index, groups[index])).collect();
+        self.held.write(gpu, &described);
     }
 
     fn described(&self, index: usize, group: u32) -> GpuReflectionProbe {
@@ -250,7 +259,7 @@ impl Reflections {
             position: influence.position,
             fade: influence.fade,
             half: influence.half,
-            unit: 1.0,
+            unit: self.probes[index].read_unit,
             cube: index as u32 + 1,
             group,
             box_projection: u32::from(self.probes[index].settings.box_projection),
@@ -297,6 +306,8 @@ impl Reflections {
             }
         }
         if !complete.is_empty() {
+            // Pictures of this frame read the new cubemaps.
+            self.write_probes(set.gpu);
             self.settling.copy(encoder, &self.cubes.harmonics, (complete, seen));
         }
         captured
@@ -353,6 +364,10 @@ impl Reflections {
         if !due.on_top {
             probe.room.forget();
         }
+        if due.first == 0 {
+            probe.unit = unit_of(set.brightest, probe.unit);
+        }
+        set.frame.pre_exposure = 1.0 / probe.unit;
         let place = (self.ranked.influences[due.probe].position, probe.near());
         for face in due.first..due.end {
             let into = (&probe.source.texture, &probe.source.views[0][face]);
@@ -361,6 +376,7 @@ impl Reflections {
         }
         let complete = probe.schedule.took(due);
         if complete {
+            probe.read_unit = probe.unit;
             self.prefilter.run(encoder, set.timer, &probe.source, &self.cubes.faces[due.probe + 1]);
         }
         complete
@@ -414,6 +430,16 @@ fn wanted<'a>(now: &Now<'a>, instances: &Instances, origin: DVec3) -> (Vec<Wante
             Some(Wanted { entity: entity.id, settings, influence, size })
         });
     (probes.collect(), now.scene.sky.kind != crate::scene::SkyKind::None)
+}
+
+/// Radiance of one unit of a cubemap: a power of two, so that half floats hold the brightest and the rest; 1 for
+/// most scenes. The old one stays while it does.
+fn unit_of(brightest: f32, old: f32) -> f32 {
+    let fits = |unit: f32| (1e-3..=4096.0).contains(&(brightest / unit));
+    if !(brightest > 0.0 && brightest.is_finite()) || fits(old) {
+        return old;
+    }
+    if fits(1.0) { 1.0 } else { brightest.log2().round().clamp(-100.0, 100.0).exp2() }
 }
 
 /// Shows reflections.

@@ -91,6 +91,22 @@ fn points_on_a_sphere_and_a_turned_grid_have_empty_spheres() {
     check("turned", &turned);
 }
 
+/// As f32 gives it, too.
+#[test]
+fn a_turned_grid_has_no_slivers() {
+    for turn in [[0.3, 0.7, 0.2], [0.0, 0.4, 0.0], [1.9, -0.6, 2.5]] {
+        let turn = glam::DQuat::from_euler(glam::EulerRot::XYZ, turn[0], turn[1], turn[2]);
+        let far = DVec3::new(12.0, -3.0, 7.0);
+        let place = |p: &DVec3| (turn * *p + far).as_vec3().as_dvec3();
+        let positions: Vec<DVec3> = boxes([7, 4, 3], 0.45).iter().map(place).collect();
+        let made = check("turned", &positions);
+        let volume = |cell: &Cell| volume(cell.corners.map(|corner| made.points[corner as usize]));
+        let volumes = made.cells[..made.solid].iter().map(volume);
+        let (least, most) = volumes.fold((f64::MAX, 0.0), |(least, most), v| (v.min(least), v.max(most)));
+        assert!(least > 0.9 * 0.5 * most, "{least} {most}");
+    }
+}
+
 #[test]
 fn points_in_one_place_are_one_and_told() {
     let once = random(60, 3);
