@@ -170,9 +170,8 @@ fn triangles<'a>(scene: &'a Scene, assets: &Assets) -> Vec<(&'a str, [DVec3; 3])
     for (entity, world_from_local) in placed {
         let Some(renderer) = &entity.mesh else { continue };
         let mesh = &assets.meshes[&renderer.mesh];
-        let corner = |vertex: u32| {
-            world_from_local.transform_point3(mesh.positions[vertex as usize].as_dvec3())
-        };
+        let corner =
+            |vertex: u32| world_from_local.transform_point3(mesh.positions[vertex as usize].as_dvec3());
         triangles.extend(mesh.triangles().map(|t| (entity.name.as_str(), t.map(corner))));
     }
     triangles
@@ -190,11 +189,4 @@ fn distance(p: DVec3, t: &[DVec3; 3]) -> f64 {
         p.distance(a.lerp(b, share))
     };
     edges.map(to_edge).into_iter().fold(f64::INFINITY, f64::min)
-}
-
-#[test]
-#[ignore]
-fn zz_canonical() {
-    let p = sample("gallery");
-    save_scene(&p, "gallery", &load_scene(&p, "gallery").unwrap()).unwrap();
 }
