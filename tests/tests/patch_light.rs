@@ -346,12 +346,12 @@ fn a_light_close_to_a_ball(fine: u32, off: f32, kinds: &[LightKind]) {
 #[test]
 fn a_light_close_to_a_statue_is_not_multiplied() {
     // Its triangles lie up to 3 mm below the ball.
-    a_light_close_to_a_ball(12, 0.06, &[LightKind::Point]);
+    a_light_close_to_a_ball(12, 0.06, &[LightKind::Point, SPOT]);
 }
 
 #[test]
 fn close_to_a_statue_of_too_many_triangles_it_is_multiplied_by_a_fifth_at_most() {
-    a_light_close_to_a_ball(24, 0.2, &[LightKind::Point]);
+    a_light_close_to_a_ball(24, 0.2, &[LightKind::Point, SPOT]);
 }
 
 #[test]
