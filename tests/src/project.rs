@@ -36,6 +36,16 @@ impl TestProject {
         project
     }
 
+    /// Of a project on disk, without what was baked of it.
+    pub fn copy_of(project: &Path) -> Self {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        std::fs::copy(project.join("project.ron"), folder.path().join("project.ron")).expect("a copy");
+        for part in ["scenes", "assets"] {
+            copy_folder(&project.join(part), &folder.path().join(part));
+        }
+        Self { folder }
+    }
+
     pub fn path(&self) -> &Path {
         self.folder.path()
     }

@@ -2,9 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use bake::{Settings, Silent, bake};
+use engine::play;
 use engine::scene::file::{load_project, load_scene, save_scene, scene_path};
 use engine::scene::import::load_assets;
-use engine::scene::{Entity, MeshSource, Motion, Scene, assets::Assets};
+use engine::scene::{Entity, Motion, Scene, assets::Assets, world_from_local};
 use glam::DVec3;
 
 /// Half of the Cornell box.
@@ -85,17 +87,71 @@ fn cornells_probes_and_movers_stay_clear_of_its_walls() {
     }
 }
 
+/// Light probes stand in the open, and whoever walks through the rooms touches nothing that stands.
+#[test]
+fn the_gallerys_probes_and_walkers_stay_clear_of_what_stands() {
+    let (scene, assets) = project("gallery");
+    let standing = triangles(&scene, &assets);
+    let clear = |point: DVec3| standing.iter().map(|(_, t)| distance(point, t)).fold(f64::INFINITY, f64::min);
+    let group = scene.entities.iter().find_map(|entity| entity.light_probes.as_ref()).unwrap();
+    for probe in &group.positions {
+        assert!(clear(probe.as_dvec3()) > 0.15, "probe {probe}: {}", clear(probe.as_dvec3()));
+    }
+    for (name, radius) in [("mirror ball", 0.25), ("walking camera", 0.3)] {
+        let Some(Motion::PingPong { points, .. }) = &named(&scene, name).motion else {
+            panic!("{name} does not move")
+        };
+        for at in points.windows(2).flat_map(|leg| (0..=20).map(|k| leg[0].lerp(leg[1], f64::from(k) / 20.0)))
+        {
+            assert!(clear(at) > radius, "{name} at {at}: {}", clear(at));
+        }
+    }
+}
+
+/// All of its kinds of light, material and motion go through the bake and the player.
+#[test]
+fn the_gallery_bakes_and_plays() {
+    let Some(_turn) = tests::picture::gpu() else { return };
+    let copy = tests::project::TestProject::copy_of(&sample("gallery"));
+    let settings = Settings { patch_length: Some(1.5), rays: Some(256), ..Settings::default() };
+    let baked = bake(copy.path(), None, &settings, &Silent).unwrap();
+    assert!(baked.transport.certificate.holds(), "{:?}", baked.transport.certificate);
+    let out = copy.path().join("out");
+    play::run(&play::Options {
+        headless: true,
+        frames: Some(3),
+        size: [96, 54],
+        fixed_dt: Some(0.5),
+        out: Some(out.clone()),
+        ..play::Options::new(copy.path())
+    })
+    .unwrap();
+    for frame in 0..3 {
+        let picture = image::open(out.join(format!("frame_{frame:05}.png"))).unwrap().to_luma8();
+        let mean = picture.pixels().map(|p| u64::from(p.0[0])).sum::<u64>() / (96 * 54);
+        assert!((40..200).contains(&mean), "frame {frame}: {mean}");
+    }
+}
+
 fn projects() -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../projects");
     let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     entries.filter(|path| path.join("project.ron").is_file()).collect()
 }
 
-fn cornell() -> (Scene, Assets) {
-    let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../projects/cornell");
-    let scene = load_scene(&project, "cornell").unwrap();
-    let (assets, _) = load_assets(&project, &scene).unwrap();
+fn sample(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../projects").join(name)
+}
+
+/// Its scene of the same name.
+fn project(name: &str) -> (Scene, Assets) {
+    let scene = load_scene(&sample(name), name).unwrap();
+    let (assets, _) = load_assets(&sample(name), &scene).unwrap();
     (scene, assets)
+}
+
+fn cornell() -> (Scene, Assets) {
+    project("cornell")
 }
 
 fn named<'a>(scene: &'a Scene, name: &str) -> &'a Entity {
@@ -107,14 +163,16 @@ fn color(scene: &Scene, name: &str) -> glam::Vec3 {
     scene.material(materials[0]).unwrap().albedo.color
 }
 
-/// Of the static meshes, which all stand where their file says, with the entity's name.
+/// Of the static meshes, in world space, with the entity's name.
 fn triangles<'a>(scene: &'a Scene, assets: &Assets) -> Vec<(&'a str, [DVec3; 3])> {
     let mut triangles = Vec::new();
-    for entity in scene.entities.iter().filter(|entity| entity.is_static) {
+    let placed = scene.entities.iter().zip(world_from_local(scene)).filter(|(entity, _)| entity.is_static);
+    for (entity, world_from_local) in placed {
         let Some(renderer) = &entity.mesh else { continue };
-        assert!(matches!(renderer.mesh, MeshSource::File { .. }));
         let mesh = &assets.meshes[&renderer.mesh];
-        let corner = |vertex: u32| mesh.positions[vertex as usize].as_dvec3();
+        let corner = |vertex: u32| {
+            world_from_local.transform_point3(mesh.positions[vertex as usize].as_dvec3())
+        };
         triangles.extend(mesh.triangles().map(|t| (entity.name.as_str(), t.map(corner))));
     }
     triangles
@@ -132,4 +190,11 @@ fn distance(p: DVec3, t: &[DVec3; 3]) -> f64 {
         p.distance(a.lerp(b, share))
     };
     edges.map(to_edge).into_iter().fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+#[ignore]
+fn zz_canonical() {
+    let p = sample("gallery");
+    save_scene(&p, "gallery", &load_scene(&p, "gallery").unwrap()).unwrap();
 }
