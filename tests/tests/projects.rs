@@ -170,9 +170,8 @@ fn triangles<'a>(scene: &'a Scene, assets: &Assets) -> Vec<(&'a str, [DVec3; 3])
     for (entity, world_from_local) in placed {
         let Some(renderer) = &entity.mesh else { continue };
         let mesh = &assets.meshes[&renderer.mesh];
-        let corner = |vertex: u32| {
-            world_from_local.transform_point3(mesh.positions[vertex as usize].as_dvec3())
-        };
+        let corner =
+            |vertex: u32| world_from_local.transform_point3(mesh.positions[vertex as usize].as_dvec3());
         triangles.extend(mesh.triangles().map(|t| (entity.name.as_str(), t.map(corner))));
     }
     triangles
