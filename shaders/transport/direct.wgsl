@@ -14,7 +14,9 @@
 @group(2) @binding(3) var<storage, read> emitted: array<vec4f>;
 @group(2) @binding(4) var<storage, read_write> exitance: array<vec4f>;
 
-/// Up to so many triangles, each is given its exact part of a cone; small ones of many are taken at their middle.
+/// Triangles that cover less of the sphere around a spot [sr] are taken at their middle, where there are more than
+/// these: others are given their exact part of the cone.
+const SMALL: f32 = 0.01;
 const FEW: u32 = 32u;
 /// Patches of more triangles are not summed over.
 const MANY: u32 = 1024u;
@@ -66,6 +68,11 @@ fn irradiance_from(light: Light, i: u32, at: Sample, by_rays: bool) -> vec3f {
         // The sample stands for a disc.
         let disc = patches[i].area / (f32(max(patches[i].sample_count, 1u)) * 6.28318531);
         irradiance *= squared / (squared + disc);
+        if light.kind == SPOT {
+            // No more than it has.
+            let cone = 6.28318531 * (1.0 - (1.0 - light.cone.y) / light.cone.x + 1.0 / (3.0 * light.cone.x));
+            irradiance = min(irradiance, light.power * (cone / (disc * 6.28318531)));
+        }
     }
     let nearness = nearness_of(light, i);
     if nearness > 0.0 {
@@ -136,7 +143,7 @@ fn near_irradiance(light: Light, i: u32) -> vec3f {
 }
 
 fn triangle_flux(light: Light, count: u32, a: vec3f, b: vec3f, c: vec3f, omega: f32) -> f32 {
-    if light.kind == SPOT && count <= FEW {
+    if light.kind == SPOT && (count <= FEW || omega > SMALL) {
         return cone_in_triangle(a, b, c, light.direction, light.cone);
     }
     let middle = a + b + c;

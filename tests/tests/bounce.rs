@@ -150,10 +150,14 @@ fn a_light_that_flickers_never_gives_more_than_one_that_stays() {
 fn two_stages(transport: &Transport, intensity: f32) -> Option<[Vec<Vec3>; 2]> {
     let mut studio = studio(transport)?;
     let mut scene = scene(transport, intensity);
-    (0..4).for_each(|_| drop(studio.draw(&scene, View::Composite)));
+    for _ in 0..4 {
+        studio.draw(&scene, View::Composite);
+    }
     let first = radiosity(&studio);
     lamp(&mut scene).intensity *= 0.37;
-    (0..4).for_each(|_| drop(studio.draw(&scene, View::Composite)));
+    for _ in 0..4 {
+        studio.draw(&scene, View::Composite);
+    }
     Some([first, radiosity(&studio)])
 }
 
@@ -205,7 +209,9 @@ fn bright_and_dim_emitters_add_up() {
         for (wall, glow) in glow.iter().enumerate().filter(|(wall, _)| lit(*wall)) {
             scene.materials[wall].emission.color = Vec3::splat(*glow);
         }
-        (0..12).for_each(|_| drop(studio.draw(&scene, View::Composite)));
+        for _ in 0..12 {
+            studio.draw(&scene, View::Composite);
+        }
         let (b, e) = (radiosity(&studio), exitance(&studio));
         assert!(b.iter().zip(&e).all(|(b, e)| b.is_finite() && b.cmpge(*e).all()));
         Some(b)

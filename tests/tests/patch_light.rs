@@ -329,7 +329,9 @@ fn a_light_close_to_a_ball(fine: u32, off: f32, kinds: &[LightKind]) {
             let mut scene = white(&transport);
             scene.entities.push(room::light(100, kind, 1.0, at, transport.patches[ball].centre.as_dvec3()));
             let (truth, found) = (on_cpu(&transport, &scene), on_gpu(&mut studio, &scene));
-            assert!(apart(&found, &truth) < 1e-4, "{distance}: {}", apart(&found, &truth));
+            // Rays that graze the ball may go either way.
+            let wrong = count_apart(&found, &truth);
+            assert!(wrong * 100 <= found.len(), "{distance}: {wrong}");
             let taken = found[ball].x * transport.patches[ball].area / flux(kind);
             let all = flux_into(&transport, &found) / flux(kind);
             println!("{fine}, {kind:?} {distance} m from the ball: it takes {taken}; all take {all}");
@@ -346,12 +348,12 @@ fn a_light_close_to_a_ball(fine: u32, off: f32, kinds: &[LightKind]) {
 #[test]
 fn a_light_close_to_a_statue_is_not_multiplied() {
     // Its triangles lie up to 3 mm below the ball.
-    a_light_close_to_a_ball(12, 0.06, &[LightKind::Point]);
+    a_light_close_to_a_ball(12, 0.06, &[LightKind::Point, SPOT]);
 }
 
 #[test]
 fn close_to_a_statue_of_too_many_triangles_it_is_multiplied_by_a_fifth_at_most() {
-    a_light_close_to_a_ball(24, 0.2, &[LightKind::Point]);
+    a_light_close_to_a_ball(24, 0.2, &[LightKind::Point, SPOT]);
 }
 
 #[test]

@@ -190,3 +190,14 @@ fn pipeline(
         cache: None,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_shader_counts_on_the_same_push() {
+        let light = shaders::IMPORTED.iter().find(|source| source.name == "scene/light");
+        assert!(light.is_some_and(|source| source.text.contains(&format!("const PUSH: f32 = {PUSH:?};"))));
+    }
+}

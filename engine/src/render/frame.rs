@@ -322,7 +322,8 @@ impl Renderer {
         frame: FrameUniform,
         settled: bool,
     ) -> Captured {
-        self.reflections.update(gpu, now, &self.instances, &self.transport);
+        let still = (&*self.transport, &self.occluders);
+        self.reflections.update(gpu, now, &self.instances, still);
         self.surfaces.bind(gpu, &self.spaces, &self.objects, &self.reflections);
         let scenery = Scenery {
             scene: self.shadows.scene_group(),

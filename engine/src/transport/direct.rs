@@ -76,6 +76,15 @@ impl PlacedLight {
         }
     }
 
+    /// Int of the cone over all directions: flux = I * this [sr].
+    fn solid_angle(&self) -> f32 {
+        let (scale, offset) = self.light.cone();
+        match self.light.kind {
+            LightKind::Spot { .. } => TAU * (1.0 - (1.0 - offset) / scale + 1.0 / (3.0 * scale)),
+            _ => 2.0 * TAU,
+        }
+    }
+
     /// Unshadowed irradiance at a point with a unit normal [W/m2]; `disc`: what is added to the squared distance,
     /// 0 at a point.
     pub fn irradiance(&self, position: Vec3, normal: Vec3, disc: f32) -> Vec3 {
@@ -86,7 +95,8 @@ impl PlacedLight {
             _ if distance > 0.0 => 1.0 / (distance * distance + disc),
             _ => 0.0,
         };
-        self.light.power() * (cosine * fall_off * self.share(to_light, distance))
+        let most = if disc > 0.0 { self.solid_angle() / (disc * TAU) } else { f32::INFINITY };
+        self.light.power() * (cosine * fall_off * self.share(to_light, distance)).min(most)
     }
 }
 
@@ -131,10 +141,12 @@ fn irradiance_of_patch(
     mean * (1.0 - nearness) + near_irradiance(transport, patch, light) * (nearness * seen / all)
 }
 
-/// Up to so many triangles, each is given its exact part of a cone; small ones of many are taken at their middle.
-pub const FEW: u32 = 32;
+/// Triangles that cover less of the sphere around a spot [sr] are taken at their middle, where there are more than
+/// these: others are given their exact part of the cone.
+const SMALL: f32 = 0.01;
+const FEW: u32 = 32;
 /// Patches of more triangles than this (clusters: a part of a statue) are not summed over; see [`disc`].
-pub const MANY: u32 = 1024;
+const MANY: u32 = 1024;
 
 /// 1 for a light nearer to a patch than 2.5 times its size, whose share is taken from the patch's solid angle; 0 beyond
 /// 3.5 times, where the samples' mean is within half a percent; between them it goes from one to the other.
@@ -148,8 +160,8 @@ fn nearness(patch: &Patch, light: &PlacedLight) -> f32 {
 
 /// What is added to squared distances [m2]. A sample of a cluster stands for a disc of the area a = A / samples,
 /// whose solid angle a cos / (d^2 + a / 2 pi) is right far away (a point), over its middle (2 pi at no distance) and
-/// within 15 % between; so no sample takes more than 2 pi I. A light over a ball gives it up to a fifth of its light too
-/// much.
+/// within 15 % between; no sample takes more than 2 pi I, or than a spot has. A light over a ball gives it up to a fifth
+/// of its light too much.
 fn disc(patch: &Patch) -> f32 {
     if patch.triangle_count <= MANY { 0.0 } else { patch.area / (patch.sample_count.max(1) as f32 * TAU) }
 }
@@ -176,7 +188,7 @@ fn near_irradiance(transport: &Transport, patch: &Patch, light: &PlacedLight) ->
             continue;
         }
         let in_cone = match light.light.kind {
-            LightKind::Spot { .. } if patch.triangle_count <= FEW => {
+            LightKind::Spot { .. } if patch.triangle_count <= FEW || omega > SMALL => {
                 cone_in_triangle(corners, light.direction, [scale, offset])
             }
             _ => {

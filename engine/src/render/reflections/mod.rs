@@ -54,8 +54,6 @@ pub struct Reflections {
     reads: Vec<ReflectionUse>,
     views: Views,
     settling: Settling,
-    /// Made when the first probe is there.
-    occluders: Option<Occluders>,
     /// Cubemaps from disk that no probe has taken yet.
     given: HashMap<EntityId, Cube>,
     /// Counts arrays made.
@@ -113,7 +111,6 @@ impl Reflections {
             prefilter,
             views: Views::new(frame_layout),
             settling: Settling::new(gpu, 2),
-            occluders: None,
             given: HashMap::new(),
             table: split_sum(gpu),
             probes: Vec::new(),
@@ -167,7 +164,13 @@ impl Reflections {
     }
 
     /// Follows probes and objects.
-    pub fn update(&mut self, gpu: &Gpu, now: &Now<'_>, instances: &Instances, transport: &Transport) {
+    pub fn update(
+        &mut self,
+        gpu: &Gpu,
+        now: &Now<'_>,
+        instances: &Instances,
+        (transport, occluders): (&Transport, &Occluders),
+    ) {
         let origin = transport.origin;
         let (probes, with_sky) = wanted(now, instances, origin);
         self.make_room(gpu, &probes, with_sky);
@@ -179,17 +182,16 @@ impl Reflections {
                 probe.schedule.restart();
             }
         }
-        self.look(transport);
+        self.look(transport, occluders);
         self.write_probes(gpu);
         self.write_uses(gpu, now, instances, origin, with_sky);
     }
 
     /// Looks around from where probes stand now.
-    fn look(&mut self, transport: &Transport) {
+    fn look(&mut self, transport: &Transport, occluders: &Occluders) {
         for (probe, influence) in self.probes.iter_mut().zip(&self.ranked.influences) {
             let at = influence.position;
             if probe.sight.is_none_or(|(from, _)| from != at) {
-                let occluders = self.occluders.get_or_insert_with(|| Occluders::new(transport));
                 let moved = probe.sight.is_some();
                 probe.sight = Some((at, look_around(transport, occluders, at)));
                 if moved {

@@ -120,16 +120,73 @@ fn anchor(reflection: &Reflection, now: &Now<'_>, origin: glam::DVec3) -> Option
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::ReflectionProbe;
+    use crate::render::instances::Pass;
+    use crate::render::{Eye, View};
+    use crate::scene::assets::Assets;
+    use crate::scene::shape::Shape;
+    use crate::scene::{Entity, MeshRenderer, MeshSource, ReflectionProbe, Scene};
     use glam::{DAffine3, DVec3};
+
+    fn influence(x: f64) -> Influence {
+        let world = DAffine3::from_translation(DVec3::new(x, 0.0, 0.0));
+        Influence::new(&ReflectionProbe::default(), &world, DVec3::ZERO).expect("a box")
+    }
+
+    /// Two rooms side by side, probes 1 and 2.
+    fn rooms() -> Ranked {
+        Ranked::new(vec![(EntityId(1), influence(-2.6)), (EntityId(2), influence(2.6))])
+    }
+
+    /// What an object of 20 cm in the first room reads, as its author says; entity 9 stands in the second room.
+    fn read(reflection: Reflection) -> ReflectionUse {
+        let mesh = MeshRenderer {
+            mesh: MeshSource::Shape(Shape::Sphere),
+            materials: Vec::new(),
+            casts_shadows: true,
+            density: Default::default(),
+            reflection,
+        };
+        let entity = |id| Entity { id: EntityId(id), ..Entity::default() };
+        let object = Entity { mesh: Some(mesh), ..entity(3) };
+        let scene = Scene { entities: vec![object, entity(9)], ..Scene::default() };
+        let place = |x| DAffine3::from_translation(DVec3::new(x, 0.0, 0.0));
+        let world = [place(-2.0), place(2.0)];
+        let eye = Eye::looking(DVec3::Z, DVec3::ZERO);
+        let view = View::Composite;
+        let assets = Assets::default();
+        let now = Now { scene: &scene, assets: &assets, world_from_local: &world, time: 0.0, eye, view };
+        let draw = Draw {
+            entity: Some(0),
+            mesh: Some(0),
+            instance: 0,
+            indices: 0..3,
+            material: 0,
+            pass: Pass::Opaque,
+            double_sided: false,
+            mirrored: false,
+            shown: true,
+            casts: true,
+            centre: Vec3::new(-2.0, 0.0, 0.0),
+            radius: 0.1,
+        };
+        rooms().of(&draw, &now, DVec3::ZERO, &[true, true])
+    }
+
+    #[test]
+    fn an_object_reads_the_probe_of_its_room_unless_its_author_says_otherwise() {
+        let plain = read(Reflection::default());
+        assert_eq!((plain.count, plain.probes[0], plain.weights[0], plain.per_point), (1, 0, 1.0, 0));
+        let anchored = read(Reflection { anchor: Some(EntityId(9)), ..Reflection::default() });
+        assert_eq!((anchored.count, anchored.probes[0], anchored.weights[0]), (1, 1, 1.0));
+        let listed = |list: &[u64]| Some(list.iter().map(|&id| EntityId(id)).collect());
+        assert_eq!(read(Reflection { probes: listed(&[2]), ..Reflection::default() }).count, 0);
+        assert_eq!(read(Reflection { probes: listed(&[1]), ..Reflection::default() }).count, 1);
+        assert_eq!(read(Reflection { strength: 0.25, ..Reflection::default() }).strength, 0.25);
+    }
 
     #[test]
     fn a_small_object_has_one_set_of_weights_and_a_floor_has_many() {
-        let probe = |x: f64| {
-            let world = DAffine3::from_translation(DVec3::new(x, 0.0, 0.0));
-            Influence::new(&ReflectionProbe::default(), &world, DVec3::ZERO).expect("a box")
-        };
-        let ranked = Ranked::new(vec![(EntityId(1), probe(-2.6)), (EntityId(2), probe(2.6))]);
+        let ranked = rooms();
         let all = &ranked.ranked;
         assert!(ranked.is_one(all, Vec3::new(0.05, 0.0, 0.0), 0.1));
         assert!(!ranked.is_one(all, Vec3::new(0.3, 0.0, 0.0), 4.0));
