@@ -91,11 +91,12 @@ impl Schedule {
         }
     }
 
-    /// What faces are due, by what the probe says.
+    /// What faces are due, by what the probe says. The first cubemap is taken at once: until it is there, a closed
+    /// room would mirror the sky.
     fn faces(&self, probe: usize, faces: Faces) -> Due {
         let end = match faces {
-            Faces::AllAtOnce => 6,
-            Faces::Sliced => self.face + 1,
+            Faces::Sliced if self.taken => self.face + 1,
+            Faces::Sliced | Faces::AllAtOnce => 6,
         };
         Due { probe, first: self.face, end, on_top: self.on_top }
     }
@@ -179,7 +180,7 @@ mod tests {
             let faces = play(&[probe(refresh, Faces::AllAtOnce)], 5, |_| Seen::default());
             assert_eq!(faces, [6, 6, 0, 0, 0], "{refresh:?}");
             let faces = play(&[probe(refresh, Faces::Sliced)], 14, |_| Seen::default());
-            assert_eq!(faces, [vec![1; 12], vec![0; 2]].concat(), "{refresh:?}");
+            assert_eq!(faces, [vec![6], vec![1; 6], vec![0; 7]].concat(), "{refresh:?}");
         }
     }
 
