@@ -13,11 +13,13 @@ struct Point {
     @builtin(position) clip: vec4f,
     @location(0) uv: vec4f,
     @location(1) color: vec4f,
+    /// Whole texels, another shift for each triangle: two sheets of glass do not let the same texels through.
+    @location(2) @interpolate(flat) shift: vec2f,
 }
 
 @vertex
 fn still(@location(0) position: vec3f, @location(3) uv: vec4f, @location(4) color: vec4f) -> Point {
-    return Point(view.clip_from_world * vec4f(position, 1.0), uv, color);
+    return Point(view.clip_from_world * vec4f(position, 1.0), uv, color, shift_of(position));
 }
 
 @vertex
@@ -29,7 +31,8 @@ fn moving(
     @location(10) row_y: vec4f,
     @location(11) row_z: vec4f,
 ) -> Point {
-    return Point(view.clip_from_world * vec4f(moved(position, row_x, row_y, row_z), 1.0), uv, color);
+    let world = moved(position, row_x, row_y, row_z);
+    return Point(view.clip_from_world * vec4f(world, 1.0), uv, color, shift_of(position));
 }
 
 @fragment
@@ -39,7 +42,7 @@ fn holes(point: Point) {
         if alpha < material.cutoff {
             discard;
         }
-    } else if alpha <= dither(point.clip.xy) {
+    } else if alpha <= dither(point.clip.xy + point.shift) {
         discard;
     }
 }
@@ -47,4 +50,10 @@ fn holes(point: Point) {
 /// Interleaved gradient noise (Jimenez 2014): every neighbourhood holds all thresholds.
 fn dither(at: vec2f) -> f32 {
     return fract(52.9829189 * fract(dot(at, vec2f(0.06711056, 0.00583715))));
+}
+
+fn shift_of(position: vec3f) -> vec2f {
+    let a = fract(sin(dot(position, vec3f(12.9898, 78.233, 37.719))) * 43758.547);
+    let b = fract(sin(dot(position, vec3f(39.3468, 11.135, 83.155))) * 24634.634);
+    return floor(vec2f(a, b) * 64.0);
 }

@@ -252,9 +252,11 @@ fn lights_beyond_those_that_have_maps_cast_shadows_on_patches_all_the_same() {
     let Some(gpu) = gpu() else { return };
     let transport = furnished();
     let mut scene = white(&transport);
-    // More than there are maps for; all but the last are dark.
-    lamps(&mut scene, 100);
-    for entity in scene.entities.iter_mut().filter(|entity| (100..199).contains(&entity.id.0)) {
+    // More than there are layers for maps, of which a point light takes six; all but the last, a point light, are
+    // dark.
+    let count = 2 * (u64::from(gpu.device.limits().max_texture_array_layers) / 6 + 2) + 1;
+    lamps(&mut scene, count);
+    for entity in scene.entities.iter_mut().filter(|entity| (100..99 + count).contains(&entity.id.0)) {
         entity.light.as_mut().unwrap().on = false;
     }
     let mut studio = studio(gpu, transport.clone(), PatchShadows::Maps);

@@ -27,8 +27,7 @@ use super::overlay::Overlay;
 use super::patches::Patches;
 use super::pictures::Pictures;
 use super::probes::{self, Probes};
-use super::reflections::capture::Set;
-use super::reflections::{Captured, Reflections, Seen};
+use super::reflections::{Reflections, Seen};
 use super::rows::{self, PagedRows, Summed};
 use super::shadow::{Camera, Recording, Shadows};
 use super::sky::SkyPass;
@@ -116,10 +115,6 @@ pub struct FrameUniform {
     pub padding: [u32; 2],
 }
 
-/// What is captured once waits until the error of light is below this share: of light that always moves, it is
-/// never 0.
-const SOLVED: f32 = 0.02;
-
 /// Read back by those who ask how a picture was exposed.
 const FRAME: wgpu::BufferUsages = wgpu::BufferUsages::UNIFORM.union(wgpu::BufferUsages::COPY_SRC);
 
@@ -164,7 +159,7 @@ pub struct Renderer {
     pub(super) probes_current: bool,
     /// What captures show, and changes of the sky.
     pub(super) seen: (Seen, u64),
-    moved: u64,
+    pub(super) moved: u64,
 }
 
 impl Renderer {
@@ -284,8 +279,7 @@ impl Renderer {
         // What reflection probes see.
         let stirred = shadowed.changed || materials_changed || drawn.transport_dispatches > 0;
         self.follow(stirred, sky_changed);
-        let settled = drawn.transport_dispatches == 0 || self.bound().is_some_and(|bound| bound <= SOLVED);
-        let captured = self.reflect(gpu, &mut encoder, now, uniform, settled);
+        let captured = self.reflect(gpu, &mut encoder, now, uniform, drawn.transport_dispatches == 0);
         drawn.captures = captured.faces;
 
         // The picture.
@@ -300,55 +294,6 @@ impl Renderer {
         self.finish(gpu)?;
         drawn.bound = self.bound();
         Ok(drawn)
-    }
-
-    /// Counts what captures show.
-    fn follow(&mut self, stirred: bool, sky_changed: bool) {
-        let (seen, sky) = &mut self.seen;
-        // The first sky is a change, too.
-        *sky += u64::from(sky_changed || *sky == 0);
-        seen.still += u64::from(stirred || sky_changed);
-        let moved = self.instances.signature();
-        seen.moving += u64::from(self.moved != moved);
-        self.moved = moved;
-    }
-
-    /// Reflection probes: who reads which, and the captures that are due.
-    fn reflect(
-        &mut self,
-        gpu: &Gpu,
-        encoder: &mut wgpu::CommandEncoder,
-        now: &Now<'_>,
-        frame: FrameUniform,
-        settled: bool,
-    ) -> Captured {
-        let still = (&*self.transport, &self.occluders);
-        self.reflections.update(gpu, now, &self.instances, still);
-        self.surfaces.bind(gpu, &self.spaces, &self.objects, &self.reflections);
-        let scenery = Scenery {
-            scene: self.shadows.scene_group(),
-            instances: &self.instances,
-            still: &self.still,
-            meshes: &self.meshes,
-            materials: &self.materials,
-        };
-        let mut set = Set {
-            gpu,
-            timer: &mut self.timer,
-            surfaces: &mut self.surfaces,
-            sky: &mut self.sky,
-            scenery: &scenery,
-            // Kept from picture to picture, however those are exposed.
-            frame: FrameUniform {
-                view: View::Composite as u32,
-                pre_exposure: 1.0,
-                cascade_ends: Vec4::ZERO,
-                capture: 1,
-                ..frame
-            },
-            brightest: self.steering.brightest(),
-        };
-        self.reflections.capture(encoder, &mut set, self.seen, settled)
     }
 
     /// Surfaces, sky and blended surfaces; exposure, tone curve, overlay. Returns the draws.

@@ -7,6 +7,7 @@
 
 mod account;
 pub mod bounce;
+mod captures;
 pub mod cascades;
 pub mod casters;
 pub mod coarse;

@@ -29,9 +29,15 @@ impl Reflections {
             .collect()
     }
 
-    pub(super) fn take_given(&mut self, encoder: &mut wgpu::CommandEncoder, set: &mut Set<'_>, seen: Seen) {
+    /// Returns whether any were taken.
+    pub(super) fn take_given(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        set: &mut Set<'_>,
+        seen: Seen,
+    ) -> bool {
         if self.given.is_empty() {
-            return;
+            return false;
         }
         for (index, probe) in self.probes.iter_mut().enumerate() {
             let Some(cube) = self.given.remove(&probe.entity) else { continue };
@@ -46,6 +52,7 @@ impl Reflections {
             }
         }
         self.write_probes(set.gpu);
+        true
     }
 }
 

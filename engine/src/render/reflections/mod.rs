@@ -96,6 +96,8 @@ pub struct Captured {
     /// Faces of probes and sky.
     pub faces: u32,
     pub draws: u32,
+    /// There are cubemaps that surfaces could not read before.
+    pub first: bool,
 }
 
 impl Reflections {
@@ -298,7 +300,7 @@ impl Reflections {
         for probe in &mut self.probes {
             probe.schedule.follow(probe.settings.refresh, seen);
         }
-        self.take_given(encoder, set, seen);
+        captured.first |= self.take_given(encoder, set, seen);
         let mut schedules: Vec<_> =
             self.probes.iter_mut().map(|probe| (&probe.settings, &mut probe.schedule)).collect();
         let mut complete = Vec::new();
@@ -340,6 +342,7 @@ impl Reflections {
         if self.sky.seen == seen {
             return;
         }
+        captured.first |= self.sky.seen == 0;
         self.sky.seen = seen;
         for face in 0..6 {
             let into = (&source.texture, &source.views[0][face]);
@@ -376,6 +379,7 @@ impl Reflections {
             captured.draws += probe.room.take(set, &mut self.views, encoder, face, place, into, shown);
             captured.faces += 1;
         }
+        captured.first |= !probe.schedule.taken;
         let complete = probe.schedule.took(due);
         if complete {
             probe.read_unit = probe.unit;

@@ -91,12 +91,12 @@ impl Schedule {
         }
     }
 
-    /// What faces are due, by what the probe says. The first cubemap is taken at once: until it is there, a closed
-    /// room would mirror the sky.
+    /// What faces are due, by what the probe says.
     fn faces(&self, probe: usize, faces: Faces) -> Due {
         let end = match faces {
             Faces::Sliced if self.taken => self.face + 1,
-            Faces::Sliced | Faces::AllAtOnce => 6,
+            // The first picture has reflections, too.
+            _ => 6,
         };
         Due { probe, first: self.face, end, on_top: self.on_top }
     }
@@ -111,18 +111,19 @@ impl Schedule {
     }
 }
 
-/// What is captured in this frame. `settled`: light is solved, so that what is baked may be captured.
+/// What is captured in this frame. `settled`: light is solved, so that what is baked may be captured for good.
 pub fn plan(probes: &mut [(&ReflectionProbe, &mut Schedule)], settled: bool) -> Vec<Due> {
     let mut plan = Vec::new();
     let mut waiting = Vec::new();
     let mut turn = probes.iter().map(|(_, schedule)| schedule.turn).max().unwrap_or(0);
     for (index, (settings, schedule)) in probes.iter_mut().enumerate() {
         let due = schedule.rounds > 0 || schedule.face > 0;
-        if !due || (settings.refresh == Refresh::Baked && !settled) {
+        let early = settings.refresh == Refresh::Baked && schedule.taken && !settled;
+        if !due || early {
             continue;
         }
         let faces = schedule.faces(index, settings.faces);
-        if settings.refresh == Refresh::EveryFrame {
+        if settings.refresh == Refresh::EveryFrame || !schedule.taken {
             plan.push(faces);
         } else {
             waiting.push((schedule.turn, faces));
@@ -214,18 +215,19 @@ mod tests {
         let settings = vec![probe(Refresh::OnChange, Faces::AllAtOnce); 5];
         let mut schedules = vec![Schedule::default(); 5];
         let mut taken = vec![0; 5];
-        for frame in 0..20 {
+        for frame in 0..21 {
             for schedule in &mut schedules {
                 schedule.follow(Refresh::OnChange, Seen { still: frame, moving: 0 });
             }
             let mut probes: Vec<_> = settings.iter().zip(schedules.iter_mut()).collect();
             let plan = plan(&mut probes, true);
-            assert_eq!(plan.len(), 2);
+            // The first picture has them all.
+            assert_eq!(plan.len(), if frame == 0 { 5 } else { 2 });
             for due in plan {
                 schedules[due.probe].took(&due);
                 taken[due.probe] += 1;
             }
         }
-        assert_eq!(taken, [8; 5]);
+        assert_eq!(taken, [9; 5]);
     }
 }
