@@ -98,42 +98,58 @@ fn visible(light: Light, position: vec3f, normal: vec3f, towards: vec3f, both: b
     if light.layer < 0 {
         return 1.0;
     }
-    var width = light.texel;
+    return looked_up(light, 0u, width_of(light, position), position, normal, towards, both);
+}
+
+/// Of a texel of the light's own map (a sun's: of the whole scene), where the point is [m].
+fn width_of(light: Light, position: vec3f) -> f32 {
     if light.kind == POINT {
         let size = abs(position - light.position);
-        width *= max(size.x, max(size.y, size.z));
-    } else if light.kind == SPOT {
-        width *= max(dot(position - light.position, light.direction), 0.0);
+        return light.texel * max(size.x, max(size.y, size.z));
     }
-    return looked_up(light, 0u, width, position, normal, towards, both);
+    if light.kind == SPOT {
+        return light.texel * max(dot(position - light.position, light.direction), 0.0);
+    }
+    return light.texel;
 }
 
 /// The same for a point that this frame's eye sees: a sun's cascade, which passes over into the next, the last one
 /// into the map of the whole scene.
 fn visible_in_view(light: Light, position: vec3f, normal: vec3f, towards: vec3f, both: bool) -> f32 {
+    if light.layer < 0 {
+        return 1.0;
+    }
+    var map = 0u;
+    var next = 0u;
+    var over = 0.0;
     let depth = dot(frame.forward, position) - frame.eye_depth;
-    let last = frame.cascade_ends.w;
-    if light.kind != SUN || light.layer < 0 || last <= 0.0 || depth >= last {
-        return visible(light, position, normal, towards, both);
+    if light.kind == SUN && depth < frame.cascade_ends.w {
+        var begin = 0.0;
+        while map < 3u && depth >= frame.cascade_ends[map] {
+            begin = frame.cascade_ends[map];
+            map += 1u;
+        }
+        let end = frame.cascade_ends[map];
+        over = saturate(1.0 - (end - depth) / (BLEND * (end - begin)));
+        map += 1u;
+        next = (map + 1u) % 5u;
     }
-    var slice = 0u;
-    var begin = 0.0;
-    while slice < 3u && depth >= frame.cascade_ends[slice] {
-        begin = frame.cascade_ends[slice];
-        slice += 1u;
+    // One map, or two where one passes over into the next.
+    var share = 0.0;
+    var weight = 1.0 - over;
+    for (var k = 0; k < 2; k++) {
+        var width = width_of(light, position);
+        if map > 0u {
+            width = frame.cascade_texels[map - 1u];
+        }
+        share += weight * looked_up(light, map, width, position, normal, towards, both);
+        if over <= 0.0 {
+            break;
+        }
+        map = next;
+        weight = over;
     }
-    let end = frame.cascade_ends[slice];
-    let width = frame.cascade_texels[slice];
-    let share = looked_up(light, slice + 1u, width, position, normal, towards, both);
-    let over = saturate(1.0 - (end - depth) / (BLEND * (end - begin)));
-    if over <= 0.0 {
-        return share;
-    }
-    if slice == 3u {
-        return mix(share, visible(light, position, normal, towards, both), over);
-    }
-    let next = frame.cascade_texels[slice + 1u];
-    return mix(share, looked_up(light, slice + 2u, next, position, normal, towards, both), over);
+    return share;
 }
 
 /// The share of a slice at its end in which it passes over into the next.
@@ -174,23 +190,38 @@ fn looked_up(
     }
     let ndc = clip.xyz / clip.w;
     let at = in_map(ndc);
-    let free = farther(light.kind, at, layer, ndc.z, vec2f(0.0));
-    if free <= 0.001 || free >= 0.999 {
-        return round(free);
-    }
-    // What lies farther than the surface, and than what stands before it.
-    let behind = (lift + width * (1.5 * REACH + PUSH) * slope) / cosine + 0.5 * width;
-    let deep = clip_from_world * vec4f(point - towards * behind, 1.0);
-    let beyond = farther(light.kind, at, layer, deep.z / deep.w, vec2f(0.0));
-    var unblocked = free;
-    if !both {
-        // Fronts are pushed by more than this, what stands on the surface is not.
-        let foot_clip = clip_from_world * vec4f(position, 1.0);
-        let foot = foot_clip.xyz / foot_clip.w;
-        let rise = steepness(clip_from_world, foot, foot_clip.w, normal);
-        let texel = abs(rise) / map_size(light.kind);
-        let under = foot.z + dot(rise, at - in_map(foot)) - 0.5 * PUSH * max(texel.x, texel.y);
-        unblocked = farther(light.kind, at, layer, under, rise);
+    // What lies farther than the surface, than what stands before it, and than the surface's own plane; a map that
+    // shows only light or only shadow is asked once. One loop, as a processor that draws steps through every branch.
+    var depth = ndc.z;
+    var rise = vec2f(0.0);
+    var free = 0.0;
+    var beyond = 0.0;
+    var unblocked = 0.0;
+    for (var step = 0; step < 3; step++) {
+        let share = farther(light.kind, at, layer, depth, rise);
+        if step == 0 {
+            free = share;
+            unblocked = share;
+            if free <= 0.001 || free >= 0.999 {
+                return round(free);
+            }
+            let behind = (lift + width * (1.5 * REACH + PUSH) * slope) / cosine + 0.5 * width;
+            let deep = clip_from_world * vec4f(point - towards * behind, 1.0);
+            depth = deep.z / deep.w;
+        } else if step == 1 {
+            beyond = share;
+            if both {
+                break;
+            }
+            // Fronts are pushed by more than this, what stands on the surface is not.
+            let foot_clip = clip_from_world * vec4f(position, 1.0);
+            let foot = foot_clip.xyz / foot_clip.w;
+            rise = steepness(clip_from_world, foot, foot_clip.w, normal);
+            let texel = abs(rise) / map_size(light.kind);
+            depth = foot.z + dot(rise, at - in_map(foot)) - 0.5 * PUSH * max(texel.x, texel.y);
+        } else {
+            unblocked = share;
+        }
     }
     let blocked = 1.0 - free;
     return saturate(1.0 - blocked / max(blocked + unblocked - beyond, LEAST));
@@ -246,13 +277,19 @@ fn tent(at: f32) -> Tent {
 /// Share of what a light's map shows about a place that lies farther from the light than a plane with this depth
 /// there and this steepness.
 fn farther(kind: u32, at: vec2f, layer: i32, depth: f32, steepness: vec2f) -> f32 {
-    if kind == SUN {
-        return farther_sun(at, layer, depth, steepness);
+    let size = map_size(kind);
+    let x = tent(at.x * size.x);
+    let y = tent(at.y * size.y);
+    let rise = steepness / size;
+    var sum = 0.0;
+    for (var k = 0u; k < 9u; k++) {
+        let i = k % 3u;
+        let j = k / 3u;
+        let tap = vec2f(x.at[i], y.at[j]) / size;
+        let nearest = saturate(depth + rise.x * x.way[i] + rise.y * y.way[j]);
+        sum += x.weight[i] * y.weight[j] * compared(kind, tap, layer, nearest);
     }
-    if kind == SPOT {
-        return farther_spot(at, layer, depth, steepness);
-    }
-    return farther_point(at, layer, depth, steepness);
+    return sum;
 }
 
 fn map_size(kind: u32) -> vec2f {
@@ -265,55 +302,18 @@ fn map_size(kind: u32) -> vec2f {
     return vec2f(textureDimensions(point_maps));
 }
 
-// WGSL passes no textures to functions on every target, hence one function a kind.
-
-fn farther_sun(at: vec2f, layer: i32, depth: f32, steepness: vec2f) -> f32 {
-    let size = vec2f(textureDimensions(sun_maps));
-    let x = tent(at.x * size.x);
-    let y = tent(at.y * size.y);
-    let rise = steepness / size;
-    var sum = 0.0;
-    for (var j = 0; j < 3; j++) {
-        for (var i = 0; i < 3; i++) {
-            let tap = vec2f(x.at[i], y.at[j]) / size;
-            let nearest = saturate(depth + rise.x * x.way[i] + rise.y * y.way[j]);
-            sum += x.weight[i] * y.weight[j]
-                * textureSampleCompareLevel(sun_maps, nearer, tap, layer, nearest);
-        }
+/// One bilinear comparison. WGSL passes no textures to functions on every target, hence one for each kind; in loops,
+/// which a processor that draws leaves out where they do not run, as it does not leave out branches.
+fn compared(kind: u32, tap: vec2f, layer: i32, depth: f32) -> f32 {
+    var share = 0.0;
+    for (var due = kind == SUN; due; due = false) {
+        share = textureSampleCompareLevel(sun_maps, nearer, tap, layer, depth);
     }
-    return sum;
-}
-
-fn farther_spot(at: vec2f, layer: i32, depth: f32, steepness: vec2f) -> f32 {
-    let size = vec2f(textureDimensions(spot_maps));
-    let x = tent(at.x * size.x);
-    let y = tent(at.y * size.y);
-    let rise = steepness / size;
-    var sum = 0.0;
-    for (var j = 0; j < 3; j++) {
-        for (var i = 0; i < 3; i++) {
-            let tap = vec2f(x.at[i], y.at[j]) / size;
-            let nearest = saturate(depth + rise.x * x.way[i] + rise.y * y.way[j]);
-            sum += x.weight[i] * y.weight[j]
-                * textureSampleCompareLevel(spot_maps, nearer, tap, layer, nearest);
-        }
+    for (var due = kind == SPOT; due; due = false) {
+        share = textureSampleCompareLevel(spot_maps, nearer, tap, layer, depth);
     }
-    return sum;
-}
-
-fn farther_point(at: vec2f, layer: i32, depth: f32, steepness: vec2f) -> f32 {
-    let size = vec2f(textureDimensions(point_maps));
-    let x = tent(at.x * size.x);
-    let y = tent(at.y * size.y);
-    let rise = steepness / size;
-    var sum = 0.0;
-    for (var j = 0; j < 3; j++) {
-        for (var i = 0; i < 3; i++) {
-            let tap = vec2f(x.at[i], y.at[j]) / size;
-            let nearest = saturate(depth + rise.x * x.way[i] + rise.y * y.way[j]);
-            sum += x.weight[i] * y.weight[j]
-                * textureSampleCompareLevel(point_maps, nearer, tap, layer, nearest);
-        }
+    for (var due = kind == POINT; due; due = false) {
+        share = textureSampleCompareLevel(point_maps, nearer, tap, layer, depth);
     }
-    return sum;
+    return share;
 }

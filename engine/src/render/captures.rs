@@ -11,7 +11,7 @@ use crate::gpu::Gpu;
 
 /// What is captured once waits until the error of light is below this share: of light that always moves, it is
 /// never 0.
-const SOLVED: f32 = 0.02;
+const SOLVED: f32 = 0.1;
 
 impl Renderer {
     /// Counts what captures show.

@@ -214,7 +214,7 @@ impl Surfaces {
         self.order.len() as u32
     }
 
-    /// Opaque ones as they stand, blended ones from back to front.
+    /// Opaque ones from front to back, so that little is drawn over; blended ones from back to front.
     fn sort(&mut self, scenery: &Scenery<'_>, look: &Look<'_>, which: Which) {
         let draws = &scenery.instances.draws;
         let chosen = |index: &usize| {
@@ -230,6 +230,9 @@ impl Surfaces {
         if which.blended {
             let distance = |index: usize| draws[index].centre.distance_squared(look.eye);
             self.order.sort_by(|&a, &b| distance(b).total_cmp(&distance(a)));
+        } else {
+            let nearest = |index: usize| draws[index].centre.distance(look.eye) - draws[index].radius;
+            self.order.sort_by(|&a, &b| nearest(a).total_cmp(&nearest(b)));
         }
     }
 }

@@ -9,6 +9,9 @@ const BUDGET: u32 = 12;
 /// after so many.
 const MOST_ROUNDS: u32 = 45;
 
+/// Captures of what is baked while light goes on moving, which never settles.
+const BAKED_ROUNDS: u32 = 8;
+
 /// Counts changes of what captures show.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Seen {
@@ -33,6 +36,8 @@ pub struct Schedule {
     turn: u64,
     /// Its cubemap holds a capture.
     pub taken: bool,
+    /// Captures of what is baked, of light that is solved.
+    solved: u32,
 }
 
 /// Faces to capture now.
@@ -121,6 +126,10 @@ pub fn plan(probes: &mut [(&ReflectionProbe, &mut Schedule)], settled: bool) -> 
         let early = settings.refresh == Refresh::Baked && schedule.taken && !settled;
         if !due || early {
             continue;
+        }
+        if settings.refresh == Refresh::Baked && settled {
+            schedule.solved += 1;
+            schedule.rounds = schedule.rounds.min((BAKED_ROUNDS + 1).saturating_sub(schedule.solved).max(1));
         }
         let faces = schedule.faces(index, settings.faces);
         if settings.refresh == Refresh::EveryFrame || !schedule.taken {
