@@ -64,3 +64,22 @@ fn a_probe_inside_a_solid_is_named_and_shows_nothing() {
     let said = plays(above.path(), &["--frames", "2", "--size", "16x16"]);
     assert!(!said.contains("mirror ball"), "{said}");
 }
+
+#[test]
+fn with_nothing_moving_there_are_no_dispatches_and_no_captures() {
+    if !can_draw() {
+        return;
+    }
+    let mut scene = mirroring(DVec3::Y * 1.5);
+    for refresh in [Refresh::OnChange, Refresh::EveryFrame] {
+        let probe = scene.entities.last_mut().unwrap().reflection_probe.as_mut().unwrap();
+        probe.refresh = refresh;
+        let folder = project(&scene, Some(&floor()));
+        let stats = statistics(folder.path(), &["--frames", "16", "--size", "48x32", "--fixed-dt", "0.1"]);
+        let counts = |name: &str| -> Vec<u64> {
+            stats[name].as_array().unwrap().iter().map(|count| count.as_u64().unwrap()).collect()
+        };
+        assert_eq!(counts("captures")[0], 6, "{refresh:?}");
+        assert_eq!((&counts("captures")[8..], &counts("dispatches")[8..]), (&[0; 8][..], &[0; 8][..]));
+    }
+}

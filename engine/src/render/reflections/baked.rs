@@ -5,7 +5,8 @@ use std::collections::HashMap;
 use glam::Vec3;
 
 use super::capture::Set;
-use super::{Probe, Reflections, Seen, unit_of};
+use super::cubes::unit_of;
+use super::{Probe, Reflections, Seen};
 use crate::gpu::{Gpu, GpuError, texture};
 use crate::scene::{EntityId, Refresh};
 use crate::transport::reflection::Cube;

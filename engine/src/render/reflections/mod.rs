@@ -8,11 +8,13 @@
 
 pub mod baked;
 pub mod capture;
+mod cubes;
 pub mod prefilter;
 mod schedule;
 mod settling;
 pub mod sight;
 pub mod uses;
+mod wanted;
 
 use std::collections::HashMap;
 
@@ -20,25 +22,22 @@ use glam::{DVec3, Vec3};
 
 use super::frame::Now;
 use super::instances::Instances;
-use crate::gpu::buffer::{self, Held};
+use crate::gpu::buffer::Held;
 use crate::gpu::shader::Library;
-use crate::gpu::{Gpu, GpuError, texture};
-use crate::scene::{EntityId, Material, ReflectionProbe};
-use crate::transport::reflection::influence::Influence;
-use crate::transport::reflection::{Cube, ROUGH, ggx};
+use crate::gpu::{Gpu, GpuError};
+use crate::scene::{EntityId, ReflectionProbe};
+use crate::transport::reflection::Cube;
 use crate::transport::{Occluders, Transport};
 use capture::{Room, Set, Shown, Views};
-use prefilter::{Faces, Prefilter, Source, faces, levels};
+use cubes::{Cubes, split_sum, unit_of};
+use prefilter::{Prefilter, Source, levels};
 pub use schedule::Seen;
 use schedule::{Due, Schedule};
 use settling::Settling;
 use sight::{Sight, look_around};
 use uses::{GpuReflectionProbe, Ranked, ReflectionUse};
+use wanted::{Wanted, wanted};
 
-/// Texels across the table of [`ggx::table`].
-const TABLE: u32 = 64;
-/// Of a cube's face: at least two levels, at most what fits a console's memory.
-const SIZES: [u32; 2] = [16, 1024];
 /// Where there is a sky and no probe.
 const SKY_SIZE: u32 = 128;
 
@@ -58,15 +57,6 @@ pub struct Reflections {
     given: HashMap<EntityId, Cube>,
     /// Counts arrays made.
     made: u64,
-}
-
-/// The array that surfaces read.
-struct Cubes {
-    texture: wgpu::Texture,
-    view: wgpu::TextureView,
-    /// By cubemap and level.
-    faces: Vec<Vec<Faces>>,
-    harmonics: wgpu::Buffer,
 }
 
 struct SkyCube {
@@ -400,64 +390,4 @@ impl Probe {
         let nearest = self.sight.map_or(f32::INFINITY, |(_, sight)| sight.nearest);
         self.settings.near.min(0.5 * nearest).max(1e-5)
     }
-}
-
-impl Cubes {
-    fn new(gpu: &Gpu, size: u32, count: u32) -> Self {
-        let texture = texture::cubes(gpu, "reflections", size, count, levels(size));
-        Self {
-            view: texture::as_cubes(&texture, wgpu::TextureViewDimension::CubeArray),
-            faces: (0..count).map(|index| faces(&texture, index)).collect(),
-            harmonics: buffer::empty(gpu, "harmonics", u64::from(count) * 144, wgpu::BufferUsages::STORAGE),
-            texture,
-        }
-    }
-}
-
-/// A probe that takes part.
-struct Wanted<'a> {
-    entity: EntityId,
-    settings: &'a ReflectionProbe,
-    influence: Influence,
-    size: u32,
-}
-
-/// Probes and whether the sky is read: neither where nothing is smooth enough to show them.
-fn wanted<'a>(now: &Now<'a>, instances: &Instances, origin: DVec3) -> (Vec<Wanted<'a>>, bool) {
-    if !now.scene.materials.iter().any(is_smooth) {
-        return (Vec::new(), false);
-    }
-    let placed = now.scene.entities.iter().zip(now.world_from_local);
-    let probes =
-        placed.filter(|(entity, _)| !instances.is_hidden(entity.id)).filter_map(|(entity, world)| {
-            let settings = entity.reflection_probe.as_ref()?;
-            let influence = Influence::new(settings, world, origin)?;
-            let size = settings.resolution.clamp(SIZES[0], SIZES[1]).next_power_of_two();
-            Some(Wanted { entity: entity.id, settings, influence, size })
-        });
-    (probes.collect(), now.scene.sky.kind != crate::scene::SkyKind::None)
-}
-
-/// Radiance of one unit of a cubemap: a power of two, so that half floats hold the brightest and the rest; 1 for
-/// most scenes. The old one stays while it does.
-fn unit_of(brightest: f32, old: f32) -> f32 {
-    let fits = |unit: f32| (1e-3..=4096.0).contains(&(brightest / unit));
-    if !(brightest > 0.0 && brightest.is_finite()) || fits(old) {
-        return old;
-    }
-    if fits(1.0) { 1.0 } else { brightest.log2().round().clamp(-100.0, 100.0).exp2() }
-}
-
-/// Shows reflections.
-pub fn is_smooth(material: &Material) -> bool {
-    !material.unlit && (material.roughness < ROUGH || material.metallic_roughness_texture.is_some())
-}
-
-fn split_sum(gpu: &Gpu) -> wgpu::TextureView {
-    let texels: Vec<[u16; 4]> = ggx::table(TABLE)
-        .into_iter()
-        .map(|[scale, bias]| [scale, bias, 0.0, 1.0].map(texture::half))
-        .collect();
-    texture::rgba16(gpu, "split sum", [TABLE, TABLE], &texels)
-        .create_view(&wgpu::TextureViewDescriptor { mip_level_count: Some(1), ..Default::default() })
 }

@@ -1,0 +1,41 @@
+//! Which reflection probes of a scene take part, and whether its sky does.
+
+use glam::DVec3;
+
+use super::super::frame::Now;
+use super::super::instances::Instances;
+use crate::scene::{EntityId, Material, ReflectionProbe, SkyKind};
+use crate::transport::reflection::ROUGH;
+use crate::transport::reflection::influence::Influence;
+
+/// Of a cube's face: at least two levels, at most what fits a console's memory.
+const SIZES: [u32; 2] = [16, 1024];
+
+/// A probe that takes part.
+pub struct Wanted<'a> {
+    pub entity: EntityId,
+    pub settings: &'a ReflectionProbe,
+    pub influence: Influence,
+    pub size: u32,
+}
+
+/// Probes and whether the sky is read: neither where nothing is smooth enough to show them.
+pub fn wanted<'a>(now: &Now<'a>, instances: &Instances, origin: DVec3) -> (Vec<Wanted<'a>>, bool) {
+    if !now.scene.materials.iter().any(is_smooth) {
+        return (Vec::new(), false);
+    }
+    let placed = now.scene.entities.iter().zip(now.world_from_local);
+    let probes =
+        placed.filter(|(entity, _)| !instances.is_hidden(entity.id)).filter_map(|(entity, world)| {
+            let settings = entity.reflection_probe.as_ref()?;
+            let influence = Influence::new(settings, world, origin)?;
+            let size = settings.resolution.clamp(SIZES[0], SIZES[1]).next_power_of_two();
+            Some(Wanted { entity: entity.id, settings, influence, size })
+        });
+    (probes.collect(), now.scene.sky.kind != SkyKind::None)
+}
+
+/// Shows reflections.
+pub fn is_smooth(material: &Material) -> bool {
+    !material.unlit && (material.roughness < ROUGH || material.metallic_roughness_texture.is_some())
+}
