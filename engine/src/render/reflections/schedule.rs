@@ -127,7 +127,7 @@ pub fn plan(probes: &mut [(&ReflectionProbe, &mut Schedule)], settled: bool) -> 
         if !due || early {
             continue;
         }
-        if settings.refresh == Refresh::Baked && settled {
+        if settings.refresh == Refresh::Baked && settled && schedule.face == 0 {
             schedule.solved += 1;
             schedule.rounds = schedule.rounds.min((BAKED_ROUNDS + 1).saturating_sub(schedule.solved).max(1));
         }
@@ -162,7 +162,7 @@ mod tests {
 
     /// As light that settles with the second capture.
     fn took(schedule: &mut Schedule, due: &Due, seen: Seen) {
-        if schedule.took(due) && schedule.rounds == MOST_ROUNDS - 2 {
+        if schedule.took(due) && [MOST_ROUNDS - 2, BAKED_ROUNDS - 2].contains(&schedule.rounds) {
             schedule.settle(Refresh::OnChange, seen);
         }
     }
