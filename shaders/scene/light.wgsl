@@ -123,7 +123,8 @@ fn visible_in_view(light: Light, position: vec3f, normal: vec3f, towards: vec3f,
     var next = 0u;
     var over = 0.0;
     let depth = dot(frame.forward, position) - frame.eye_depth;
-    if light.kind == SUN && depth < frame.cascade_ends.w {
+    let last = frame.cascade_ends.w;
+    if light.kind == SUN && last > 0.0 && depth < last {
         var begin = 0.0;
         while map < 3u && depth >= frame.cascade_ends[map] {
             begin = frame.cascade_ends[map];
