@@ -223,7 +223,7 @@ fn highlight(here: Surfel, to_light: vec3f, cosine: f32) -> vec3f {
 fn reflection(here: Surfel) -> vec3f {
     let irradiance = here.direct + here.indirect;
     let mirrored = reflect(-here.to_viewer, here.normal);
-    let found = around(here.position, here.normal, mirrored, here.roughness);
+    let found = around(here.position, here.normal, here.smooth_normal, mirrored, here.roughness);
     // Where nothing is known of the surroundings, they are taken to be the same from everywhere.
     let unknown = irradiance / PI * (1.0 - found.known);
     let radiance = found.radiance * open_share(here, irradiance, found.irradiance, found.known) + unknown;
@@ -235,7 +235,7 @@ fn reflection(here: Surfel) -> vec3f {
 fn open_share(here: Surfel, irradiance: vec3f, seen: vec3f, known: f32) -> f32 {
     let luminance = vec3f(0.2126, 0.7152, 0.0722);
     let there = dot(seen, luminance);
-    if known <= 0.0 || there <= 0.0 {
+    if known <= 0.0 || there <= 0.0 || use_of.baked == 0u {
         return 1.0;
     }
     let open = saturate(2.0 * dot(irradiance, luminance) * known / there);

@@ -39,6 +39,8 @@ struct Use {
     last_level: f32,
     /// 1 where there is a sky.
     sky: u32,
+    /// 1 where irradiance is known: there is a bake.
+    baked: u32,
 }
 
 @group(2) @binding(4) var<uniform> use_of: Use;
@@ -65,8 +67,15 @@ struct Around {
     known: f32,
 }
 
-fn around(position: vec3f, normal: vec3f, mirrored: vec3f, roughness: f32) -> Around {
-    var weights = weights_at(position, normal);
+/// `smooth_normal` is that of the mesh.
+fn around(
+    position: vec3f,
+    normal: vec3f,
+    smooth_normal: vec3f,
+    mirrored: vec3f,
+    roughness: f32,
+) -> Around {
+    var weights = weights_at(position, smooth_normal);
     var sum = Around(vec3f(0.0), vec3f(0.0), 0.0);
     for (var k = 0u; k < use_of.count; k++) {
         if weights[k] > 0.0 {
@@ -111,7 +120,8 @@ fn add(
     (*sum).known += weight;
 }
 
-/// A surface is looked up from in front of it, so that it reads no probe through the wall behind it.
+/// A surface is looked up from in front of it, so that it reads no probe through the wall behind it; inside the box
+/// it reads the probe wherever it faces.
 fn weights_at(position: vec3f, normal: vec3f) -> array<f32, 8> {
     var weights: array<f32, 8>;
     for (var k = 0u; k < use_of.count; k++) {
@@ -122,7 +132,8 @@ fn weights_at(position: vec3f, normal: vec3f) -> array<f32, 8> {
     }
     for (var k = 0u; k < use_of.count; k++) {
         let probe = probes[use_of.probes[k / 4u][k % 4u]];
-        weights[k] = raw(probe, position + normal * probe.fade);
+        let inside = smoothstep(0.0, 0.25 * probe.fade, depth(probe, position));
+        weights[k] = max(raw(probe, position + normal * probe.fade), inside);
     }
     var left = 1.0;
     var first = 0u;
@@ -148,9 +159,14 @@ fn in_box(probe: Probe, position: vec3f) -> vec3f {
     return vec3f(dot(probe.row_x, p), dot(probe.row_y, p), dot(probe.row_z, p));
 }
 
-fn raw(probe: Probe, position: vec3f) -> f32 {
+/// How far a point is inside the box, metres.
+fn depth(probe: Probe, position: vec3f) -> f32 {
     let inside = (1.0 - abs(in_box(probe, position))) * probe.half;
-    let t = saturate(1.0 + min(inside.x, min(inside.y, inside.z)) / probe.fade);
+    return min(inside.x, min(inside.y, inside.z));
+}
+
+fn raw(probe: Probe, position: vec3f) -> f32 {
+    let t = saturate(1.0 + depth(probe, position) / probe.fade);
     return t * t * (3.0 - 2.0 * t);
 }
 

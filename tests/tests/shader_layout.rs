@@ -93,7 +93,7 @@ fn reflections() {
     let rows = [("row_x", 0), ("row_y", 16), ("row_z", 32)];
     let fields: Vec<_> = rows.into_iter().chain(fields[1..].iter().copied()).collect();
     compare(shaders::SURFACE, "Probe", &fields, size_of::<GpuReflectionProbe>());
-    let fields = fields!(ReflectionUse: probes, weights, count, per_point, strength, last_level, sky);
+    let fields = fields!(ReflectionUse: probes, weights, count, per_point, strength, last_level, sky, baked);
     compare(shaders::SURFACE, "Use", fields, uses::READ_BYTES as usize);
     assert_eq!(size_of::<ReflectionUse>(), 256);
     let fields = fields!(PrefilterUniform: forward, count, right, up, samples);

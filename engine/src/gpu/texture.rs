@@ -205,29 +205,14 @@ fn extent(size: [u32; 2], layers: u32) -> wgpu::Extent3d {
 
 /// Rows from the top, `texel` bytes a texel, without the padding that copies need. Blocks.
 pub fn read(gpu: &Gpu, texture: &wgpu::Texture, texel: u32) -> Result<Vec<u8>, GpuError> {
-    read_layer(gpu, texture, [0, 0], texel)
-}
-
-/// The same of one layer and level.
-pub fn read_layer(
-    gpu: &Gpu,
-    texture: &wgpu::Texture,
-    [layer, level]: [u32; 2],
-    texel: u32,
-) -> Result<Vec<u8>, GpuError> {
-    let (width, height) = ((texture.width() >> level).max(1), (texture.height() >> level).max(1));
+    let (width, height) = (texture.width(), texture.height());
     let row = width * texel;
     let padded = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
     let staging = buffer::staging(gpu, u64::from(padded) * u64::from(height));
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(padded), rows_per_image: None };
     encoder.copy_texture_to_buffer(
-        wgpu::TexelCopyTextureInfo {
-            texture,
-            mip_level: level,
-            origin: wgpu::Origin3d { x: 0, y: 0, z: layer },
-            aspect: wgpu::TextureAspect::All,
-        },
+        texture.as_image_copy(),
         wgpu::TexelCopyBufferInfo { buffer: &staging, layout },
         extent([width, height], 1),
     );

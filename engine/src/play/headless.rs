@@ -19,6 +19,7 @@ pub fn run(options: &Options, mut world: World) -> Result<(), PlayError> {
     eprintln!("{}", gpu.name());
     can_draw(&gpu, options.size)?;
     let settings = Settings { wait: true, unlimited_gain: world.unlimited_gain, ..Settings::default() };
+    world.cubemaps.prepare(&gpu, &world, settings)?;
     let mut renderer = Renderer::new(gpu.clone(), world.transport.clone(), &world.assets, settings)?;
     renderer.give_cubemaps(world.cubemaps.load(&world.scene));
     let display = texture::target(&gpu, "display", options.size, 1, wgpu::TextureFormat::Rgba8UnormSrgb);
@@ -52,7 +53,9 @@ fn draw_all(
             view: options.view,
         };
         let drawn = renderer.draw(&now, display)?;
-        world.after_frame(frame, renderer)?;
+        if frame == 0 {
+            world.tell_misplaced(renderer);
+        }
         let took = Took { frame: since.elapsed(), cpu: None };
         statistics.add(&drawn, took);
         if options.overlay {

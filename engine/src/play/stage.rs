@@ -64,6 +64,7 @@ impl Stage {
             unlimited_gain: world.unlimited_gain,
             ..Settings::default()
         };
+        world.cubemaps.prepare(&gpu, world, settings)?;
         let mut renderer = Renderer::new(gpu.clone(), world.transport.clone(), &world.assets, settings)?;
         renderer.give_cubemaps(world.cubemaps.load(&world.scene));
         Ok(Self { window, instance, surface, config, gpu, renderer })

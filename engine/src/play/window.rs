@@ -114,7 +114,9 @@ impl Player<'_> {
         let drawn = stage.draw(&now)?;
         self.unshown = drawn.is_none();
         let Some((drawn, cpu)) = drawn else { return Ok(()) };
-        self.show.world.after_frame(self.frames, &mut stage.renderer)?;
+        if self.frames == 0 {
+            self.show.world.tell_misplaced(&stage.renderer);
+        }
         if let Some(path) = self.show.screenshot_due() {
             stage.photograph(&self.show.now(&world_from_local), &path)?;
             eprintln!("{}", path.display());

@@ -59,7 +59,7 @@ impl World {
         let unlimited_gain = settings.bake.unlimited_gain;
         let (size, default_eye) = ((high - low).length(), Eye::framing(low, high));
         let lit = scene.entities.iter().map(|entity| entity.light.as_ref().is_some_and(|l| l.on)).collect();
-        let cubemaps = Cubemaps::new(project, &name, &scene, &transport);
+        let cubemaps = Cubemaps::new(project, &name, &scene, &assets, &transport);
         let world = Self {
             name,
             scene,
@@ -75,15 +75,12 @@ impl World {
         Ok((world, warnings))
     }
 
-    /// Keeps cubemaps that are finished; after the first frame, says which reflection probes show nothing.
-    pub fn after_frame(&self, frame: u64, renderer: &mut Renderer) -> Result<(), PlayError> {
-        if frame == 0 {
-            for (entity, message) in renderer.misplaced_probes() {
-                let name = self.scene.entity(entity).map_or("", |entity| &entity.name);
-                eprintln!("warning: reflection probe `{name}` shows nothing: {message}");
-            }
+    /// After the first frame: which reflection probes show nothing.
+    pub fn tell_misplaced(&self, renderer: &Renderer) {
+        for (entity, message) in renderer.misplaced_probes() {
+            let name = self.scene.entity(entity).map_or("", |entity| &entity.name);
+            eprintln!("warning: reflection probe `{name}` shows nothing: {message}");
         }
-        self.cubemaps.save(renderer)
     }
 
     /// `world_from_local` of every entity after so many seconds.

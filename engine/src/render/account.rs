@@ -148,6 +148,9 @@ impl Renderer {
         if !self.instances.any_moving() {
             left_out.push("light probes: nothing moves".to_owned());
         }
+        if self.reflections.left_out > 0 {
+            left_out.push(format!("{} reflection probes: too many", self.reflections.left_out));
+        }
         if !self.reflections.any() {
             left_out.push("reflection cubemaps: nothing smooth, or no probe and no sky".to_owned());
         }

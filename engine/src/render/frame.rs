@@ -31,7 +31,7 @@ use super::reflections::{Reflections, Seen};
 use super::rows::{self, PagedRows, Summed};
 use super::shadow::{Camera, Recording, Shadows};
 use super::sky::SkyPass;
-use super::sources::Sources;
+use super::sources::{Changed, Sources};
 use super::spaces::Spaces;
 use super::steering::Steering;
 use super::surface::{Look, Scenery, Surfaces, Which};
@@ -277,7 +277,11 @@ impl Renderer {
         let mut drawn = self.light(&mut encoder, lit, emitted, dark, now.view);
 
         // What reflection probes see.
-        let stirred = shadowed.changed || materials_changed || drawn.transport_dispatches > 0;
+        let stirred = shadowed.changed
+            || materials_changed
+            || lit
+            || drawn.products > 0
+            || emitted != Changed::default();
         self.follow(stirred, sky_changed);
         let captured = self.reflect(gpu, &mut encoder, now, uniform, drawn.transport_dispatches == 0);
         drawn.captures = captured.faces;

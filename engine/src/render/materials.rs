@@ -75,7 +75,9 @@ impl Materials {
 
     /// Follows the scene. Returns whether a material differs from the last frame's.
     pub fn update(&mut self, gpu: &Gpu, assets: &Assets, pictures: &mut Pictures, scene: &Scene) -> bool {
-        let mut changed = false;
+        let before = self.known.len();
+        self.known.retain(|&id, _| scene.material(id).is_some());
+        let mut changed = self.known.len() != before;
         for material in &scene.materials {
             let Some(&index) = self.known.get(&material.id) else {
                 self.known.insert(material.id, self.entries.len());

@@ -39,7 +39,7 @@ struct Held {
 }
 
 /// What differs from the last frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Changed {
     pub albedo: bool,
     /// Of patches or sky.

@@ -2,11 +2,9 @@
 
 use std::collections::HashMap;
 
-use glam::Vec3;
-
 use super::capture::Set;
 use super::cubes::unit_of;
-use super::{Probe, Reflections, Seen};
+use super::{Reflections, Seen};
 use crate::gpu::{Gpu, GpuError, texture};
 use crate::scene::{EntityId, Refresh};
 use crate::transport::reflection::Cube;
@@ -25,7 +23,9 @@ impl Reflections {
         finished
             .map(|probe| {
                 probe.kept = true;
-                Ok((probe.entity, download(gpu, probe)?))
+                let cube = self.prefilter.read(gpu, &probe.source.texture, 0)?;
+                let radiance = cube.texels().iter().map(|texel| *texel * probe.read_unit).collect();
+                Ok((probe.entity, Cube::new(cube.size(), radiance)))
             })
             .collect()
     }
@@ -52,6 +52,7 @@ impl Reflections {
                 probe.kept = true;
             }
         }
+        self.given.clear();
         self.write_probes(set.gpu);
         true
     }
@@ -71,15 +72,4 @@ pub fn upload(gpu: &Gpu, texture: &wgpu::Texture, cube: &Cube, unit: f32) {
             wgpu::Extent3d { width: size, height: size, depth_or_array_layers: 1 },
         );
     }
-}
-
-fn download(gpu: &Gpu, probe: &Probe) -> Result<Cube, GpuError> {
-    let mut texels = Vec::new();
-    for face in 0..6 {
-        let bytes = texture::read_layer(gpu, &probe.source.texture, [face, 0], 8)?;
-        let value = |at: &[u8]| texture::single(u16::from_le_bytes([at[0], at[1]]));
-        texels.extend(bytes.chunks_exact(8).map(|at| Vec3::new(value(at), value(&at[2..]), value(&at[4..]))));
-    }
-    let radiance = texels.into_iter().map(|texel| texel * probe.read_unit).collect();
-    Ok(Cube::new(probe.source.size as usize, radiance))
 }

@@ -36,7 +36,7 @@ use schedule::{Due, Schedule};
 use settling::Settling;
 use sight::{Sight, look_around};
 use uses::{GpuReflectionProbe, Ranked, ReflectionUse};
-use wanted::{Wanted, wanted};
+use wanted::{Wanted, fit, wanted};
 
 /// Where there is a sky and no probe.
 const SKY_SIZE: u32 = 128;
@@ -55,6 +55,8 @@ pub struct Reflections {
     settling: Settling,
     /// Cubemaps from disk that no probe has taken yet.
     given: HashMap<EntityId, Cube>,
+    /// Probes that are too many.
+    pub left_out: usize,
     /// Counts arrays made.
     made: u64,
 }
@@ -110,6 +112,7 @@ impl Reflections {
             held: Held::new(gpu, "reflection probes", wgpu::BufferUsages::STORAGE),
             uses: Held::new(gpu, "reflections", wgpu::BufferUsages::UNIFORM),
             reads: Vec::new(),
+            left_out: 0,
             made: 0,
         })
     }
@@ -164,19 +167,21 @@ impl Reflections {
         (transport, occluders): (&Transport, &Occluders),
     ) {
         let origin = transport.origin;
-        let (probes, with_sky) = wanted(now, instances, origin);
+        let (mut probes, with_sky) = wanted(now, instances, origin);
+        self.left_out = fit(&mut probes, gpu.device.limits().max_texture_array_layers);
         self.make_room(gpu, &probes, with_sky);
         let influences = probes.iter().map(|wanted| (wanted.entity, wanted.influence)).collect();
         self.ranked = Ranked::new(influences);
         for (probe, wanted) in self.probes.iter_mut().zip(&probes) {
             if probe.settings != *wanted.settings {
                 probe.settings = wanted.settings.clone();
-                probe.schedule.restart();
+                probe.restart();
             }
         }
         self.look(transport, occluders);
         self.write_probes(gpu);
-        self.write_uses(gpu, now, instances, origin, with_sky);
+        let baked = !(transport.receivers.is_empty() && transport.probes.is_empty());
+        self.write_uses(gpu, now, instances, origin, [with_sky, baked]);
     }
 
     /// Looks around from where probes stand now.
@@ -187,7 +192,7 @@ impl Reflections {
                 let moved = probe.sight.is_some();
                 probe.sight = Some((at, look_around(transport, occluders, at)));
                 if moved {
-                    probe.schedule.restart();
+                    probe.restart();
                 }
             }
         }
@@ -261,13 +266,21 @@ impl Reflections {
         }
     }
 
-    fn write_uses(&mut self, gpu: &Gpu, now: &Now<'_>, instances: &Instances, origin: DVec3, with_sky: bool) {
+    fn write_uses(
+        &mut self,
+        gpu: &Gpu,
+        now: &Now<'_>,
+        instances: &Instances,
+        origin: DVec3,
+        [with_sky, baked]: [bool; 2],
+    ) {
         let usable: Vec<bool> = self.probes.iter().map(Probe::is_usable).collect();
         let sky = with_sky && self.sky.seen > 0;
         let last_level = (self.cubes.texture.mip_level_count() - 1) as f32;
         let reads = |draw| ReflectionUse {
             last_level,
             sky: u32::from(sky),
+            baked: u32::from(baked),
             ..self.ranked.of(draw, now, origin, &usable)
         };
         self.reads.clear();
@@ -300,8 +313,6 @@ impl Reflections {
             }
         }
         if !complete.is_empty() {
-            // Pictures of this frame read the new cubemaps.
-            self.write_probes(set.gpu);
             self.settling.copy(encoder, &self.cubes.harmonics, (complete, seen));
         }
         captured
@@ -353,8 +364,9 @@ impl Reflections {
         let probe = &mut self.probes[due.probe];
         let shown = match (due.on_top, probe.settings.refresh) {
             (_, crate::scene::Refresh::Baked) => Shown::Still,
-            (true, _) => Shown::MovingOnTop,
-            (false, _) => Shown::All,
+            // wgpu's OpenGL copies no depth.
+            (true, _) if set.gpu.info.backend != wgpu::Backend::Gl => Shown::MovingOnTop,
+            _ => Shown::All,
         };
         if !due.on_top {
             probe.room.forget();
@@ -372,6 +384,8 @@ impl Reflections {
         captured.first |= !probe.schedule.taken;
         let complete = probe.schedule.took(due);
         if complete {
+            // In another unit, it is told before anything reads it.
+            captured.first |= probe.read_unit != probe.unit;
             probe.read_unit = probe.unit;
             self.prefilter.run(encoder, set.timer, &probe.source, &self.cubes.faces[due.probe + 1]);
         }
@@ -380,6 +394,12 @@ impl Reflections {
 }
 
 impl Probe {
+    /// Everything that it shows is to be captured anew.
+    fn restart(&mut self) {
+        self.schedule.restart();
+        self.kept = false;
+    }
+
     /// It holds a capture, and one that was not taken inside a solid.
     fn is_usable(&self) -> bool {
         self.schedule.taken && self.sight.is_none_or(|(_, sight)| !sight.is_inside())

@@ -10,7 +10,7 @@ use crate::gpu::shader::Library;
 use crate::gpu::timing::Timer;
 use crate::gpu::{Gpu, GpuError, buffer, texture};
 use crate::transport::reflection::cube::FACES;
-use crate::transport::reflection::ggx;
+use crate::transport::reflection::{Cube, ggx};
 
 /// `Prefilter` in `prefilter.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -164,6 +164,29 @@ impl Prefilter {
             harmonics.as_entire_binding(),
         ];
         pass::group(gpu, "project", &self.project_layout, &resources)
+    }
+
+    /// What one level of a cubemap holds, drawn face by face into a plain picture: wgpu's OpenGL copies nothing out
+    /// of cubemaps. Blocks.
+    pub fn read(&self, gpu: &Gpu, cube: &wgpu::Texture, level: u32) -> Result<Cube, GpuError> {
+        let size = cube.width() >> level;
+        let picture = texture::target(gpu, "face", [size, size], 1, RADIANCE);
+        let view = picture.create_view(&Default::default());
+        let mut texels = Vec::new();
+        for group in self.groups(gpu, &texture::cube_level(cube, level), &[]) {
+            let mut encoder = gpu.device.create_command_encoder(&Default::default());
+            let mut pass = pass::draw_into(&mut encoder, "face", &view, None);
+            pass.set_pipeline(&self.halve);
+            pass.set_bind_group(3, &group, &[]);
+            pass.draw(0..3, 0..1);
+            drop(pass);
+            gpu.queue.submit([encoder.finish()]);
+            let bytes = texture::read(gpu, &picture, 8)?;
+            let value = |at: &[u8]| texture::single(u16::from_le_bytes([at[0], at[1]]));
+            let texel = |at: &[u8]| Vec3::new(value(at), value(&at[2..]), value(&at[4..]));
+            texels.extend(bytes.chunks_exact(8).map(texel));
+        }
+        Ok(Cube::new(size as usize, texels))
     }
 
     /// Blurs what was captured into the levels of a cubemap.

@@ -32,6 +32,8 @@ pub struct Schedule {
     face: usize,
     /// Only what moves has changed: static surfaces need not be drawn again.
     on_top: bool,
+    /// Something has moved since captures of all became due.
+    moved: bool,
     /// Counts captures of all probes that share the budget: when its last one was.
     turn: u64,
     /// Its cubemap holds a capture.
@@ -52,7 +54,7 @@ pub struct Due {
 impl Schedule {
     /// Everything has changed.
     pub fn restart(&mut self) {
-        *self = Self { taken: self.taken, ..Self::default() };
+        *self = Self { taken: self.taken, face: self.face, turn: self.turn, ..Self::default() };
     }
 
     /// The cubemap came from elsewhere and stays.
@@ -67,7 +69,7 @@ impl Schedule {
 
     /// The last captures do not differ, and nothing has changed since: reflections of reflections are settled.
     pub fn settle(&mut self, refresh: Refresh, seen: Seen) {
-        let same = refresh == Refresh::Baked || self.seen.is_some_and(|now| now.still == seen.still);
+        let same = refresh == Refresh::Baked || self.seen == Some(seen);
         if same && !self.on_top {
             self.rounds = 0;
         }
@@ -87,12 +89,11 @@ impl Schedule {
             // A capture that is due anyway sees what has moved, too.
             if self.rounds == 0 || self.on_top {
                 (self.rounds, self.on_top) = (1, true);
-            } else {
-                self.rounds = MOST_ROUNDS;
             }
-        } else if self.on_top && self.rounds == 0 {
+            self.moved = true;
+        } else if self.moved && self.rounds == 0 {
             // It stands still: what static mirrors show of it is caught up with.
-            (self.rounds, self.on_top) = (MOST_ROUNDS, false);
+            (self.rounds, self.on_top, self.moved) = (MOST_ROUNDS, false, false);
         }
     }
 
@@ -127,10 +128,6 @@ pub fn plan(probes: &mut [(&ReflectionProbe, &mut Schedule)], settled: bool) -> 
         if !due || early {
             continue;
         }
-        if settings.refresh == Refresh::Baked && settled && schedule.face == 0 {
-            schedule.solved += 1;
-            schedule.rounds = schedule.rounds.min((BAKED_ROUNDS + 1).saturating_sub(schedule.solved).max(1));
-        }
         let faces = schedule.faces(index, settings.faces);
         if settings.refresh == Refresh::EveryFrame || !schedule.taken {
             plan.push(faces);
@@ -147,6 +144,13 @@ pub fn plan(probes: &mut [(&ReflectionProbe, &mut Schedule)], settled: bool) -> 
             turn += 1;
             probes[faces.probe].1.turn = turn;
             plan.push(faces);
+        }
+    }
+    for due in plan.iter().filter(|due| due.first == 0 && settled) {
+        let (settings, schedule) = &mut probes[due.probe];
+        if settings.refresh == Refresh::Baked {
+            schedule.solved += 1;
+            schedule.rounds = schedule.rounds.min((BAKED_ROUNDS + 1).saturating_sub(schedule.solved).max(1));
         }
     }
     plan

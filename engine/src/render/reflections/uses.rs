@@ -34,7 +34,8 @@ pub struct ReflectionUse {
     pub strength: f32,
     pub last_level: f32,
     pub sky: u32,
-    pub padding: [u32; 43],
+    pub baked: u32,
+    pub padding: [u32; 42],
 }
 
 /// Of a [`ReflectionUse`], what the shader reads.
@@ -61,7 +62,8 @@ pub const NOTHING: ReflectionUse = ReflectionUse {
     strength: 1.0,
     last_level: 0.0,
     sky: 0,
-    padding: [0; 43],
+    baked: 0,
+    padding: [0; 42],
 };
 
 impl Ranked {
@@ -100,11 +102,11 @@ impl Ranked {
     }
 
     /// Whether one set of weights does for a whole sphere: it is no wider than what the probes fade over, or all of
-    /// it is in the box of the first of them.
+    /// it is well in the box of the first of them.
     fn is_one(&self, chosen: &[(usize, u32)], centre: Vec3, radius: f32) -> bool {
         let probes = chosen.iter().map(|&(index, _)| &self.influences[index]);
         let fade = probes.clone().map(|probe| probe.fade).fold(f32::INFINITY, f32::min);
-        let alone = |probe: &Influence| probe.depth(centre) >= radius;
+        let alone = |probe: &Influence| probe.depth(centre) >= radius + 0.25 * probe.fade;
         let first_group = |index: usize| chosen.get(index).is_none_or(|second| second.1 != chosen[0].1);
         2.0 * radius <= fade || (probes.clone().next().is_some_and(alone) && first_group(1))
     }

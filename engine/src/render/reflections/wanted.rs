@@ -8,6 +8,8 @@ use crate::scene::{EntityId, Material, ReflectionProbe, SkyKind};
 use crate::transport::reflection::ROUGH;
 use crate::transport::reflection::influence::Influence;
 
+/// Bytes of the array of cubemaps, at most.
+const BUDGET: u64 = 512 << 20;
 /// Of a cube's face: at least two levels, at most what fits a console's memory.
 const SIZES: [u32; 2] = [16, 1024];
 
@@ -33,6 +35,23 @@ pub fn wanted<'a>(now: &Now<'a>, instances: &Instances, origin: DVec3) -> (Vec<W
             Some(Wanted { entity: entity.id, settings, influence, size })
         });
     (probes.collect(), now.scene.sky.kind != SkyKind::None)
+}
+
+/// Keeps the array of cubemaps within its memory: fewer texels for the largest, and no more probes than there are
+/// layers. Returns how many probes had to go.
+pub fn fit(probes: &mut Vec<Wanted<'_>>, layers: u32) -> usize {
+    let most = (layers / 6).saturating_sub(1) as usize;
+    let left_out = probes.len().saturating_sub(most);
+    probes.truncate(most);
+    let count = probes.len() as u64 + 1;
+    let bytes = |size: u32| count * 64 * u64::from(size) * u64::from(size);
+    while let Some(size) = probes.iter().map(|probe| probe.size).max() {
+        if bytes(size) <= BUDGET || size <= SIZES[0] {
+            break;
+        }
+        probes.iter_mut().for_each(|probe| probe.size = probe.size.min(size / 2));
+    }
+    left_out
 }
 
 /// Shows reflections.
