@@ -122,8 +122,8 @@ fn add(
 
 /// A surface is looked up from in front of it, so that it reads no probe through the wall behind it; inside the box
 /// it reads the probe wherever it faces.
-fn weights_at(position: vec3f, normal: vec3f) -> array<f32, 8> {
-    var weights: array<f32, 8>;
+fn weights_at(position: vec3f, normal: vec3f) -> array<f32, MOST> {
+    var weights: array<f32, MOST>;
     for (var k = 0u; k < use_of.count; k++) {
         weights[k] = use_of.weights[k / 4u][k % 4u];
     }

@@ -20,6 +20,7 @@ use engine::render::shadow::ShadowView;
 use engine::render::sky::SkyUniform;
 use engine::render::unit::RescaleUniform;
 use engine::transport::probe_field::Weights;
+use engine::transport::reflection;
 use engine::transport::{Patch, Sample};
 use naga::{Module, TypeInner};
 
@@ -157,4 +158,22 @@ fn rays() {
     // The tree's nodes are uploaded as they are.
     let module = shaders::library().unwrap().compose(shaders::DIRECT).unwrap();
     assert_eq!(wgsl(&module, "Node").1, 80);
+}
+
+/// What both sides reckon with has one value.
+#[test]
+fn constants_of_reflections() {
+    let shader = |name: &str| {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../shaders").join(name);
+        std::fs::read_to_string(path).unwrap()
+    };
+    let (reads, surface) = (shader("scene/reflection.wgsl"), shader("surface.wgsl"));
+    for (text, name, value) in [
+        (&reads, "SHARP", reflection::SHARP),
+        (&reads, "ROUGH", reflection::ROUGH),
+        (&surface, "MOST_IN_CAPTURES", reflection::MOST_IN_CAPTURES),
+    ] {
+        assert!(text.contains(&format!("const {name}: f32 = {value:?};")), "{name} is {value}");
+    }
+    assert!(reads.contains(&format!("const MOST: u32 = {}u;", uses::MOST)));
 }

@@ -57,7 +57,7 @@ impl Cubemaps {
                 break;
             }
         }
-        self.save(&mut renderer)
+        self.save(&renderer)
     }
 
     /// Those on disk that show the scene as it is; one that is broken or of another scene is as good as none.
@@ -66,7 +66,7 @@ impl Cubemaps {
     }
 
     /// Those that are finished. One that cannot be written is taken anew the next time.
-    fn save(&self, renderer: &mut Renderer) -> Result<(), PlayError> {
+    fn save(&self, renderer: &Renderer) -> Result<(), PlayError> {
         for (entity, cube) in renderer.finished_cubemaps()? {
             let path = self.path(entity);
             if let Err(error) = store(&path, &self.key, &cube) {

@@ -35,8 +35,8 @@ impl Renderer {
         self.reflections.give(cubes);
     }
 
-    /// Cubemaps of baked reflection probes that were captured since this was last asked.
-    pub fn finished_cubemaps(&mut self) -> Result<Vec<(EntityId, Cube)>, RenderError> {
+    /// Cubemaps of baked reflection probes that were captured for good.
+    pub fn finished_cubemaps(&self) -> Result<Vec<(EntityId, Cube)>, RenderError> {
         Ok(self.reflections.finished(&self.gpu)?)
     }
 

@@ -9,10 +9,6 @@ use super::surface::Scenery;
 use super::view::View;
 use crate::gpu::Gpu;
 
-/// What is captured once waits until the error of light is below this share: of light that always moves, it is
-/// never 0.
-const SOLVED: f32 = 0.1;
-
 impl Renderer {
     /// Counts what captures show.
     pub(super) fn follow(&mut self, stirred: bool, sky_changed: bool) {
@@ -35,7 +31,6 @@ impl Renderer {
         still: bool,
     ) -> Captured {
         self.read_reflections(gpu, now);
-        let settled = still || self.bound().is_some_and(|bound| bound <= SOLVED);
         let scenery = Scenery {
             scene: self.shadows.scene_group(),
             instances: &self.instances,
@@ -59,7 +54,7 @@ impl Renderer {
             },
             brightest: self.steering.brightest(),
         };
-        let captured = self.reflections.capture(encoder, &mut set, self.seen, settled);
+        let captured = self.reflections.capture(encoder, &mut set, self.seen, still);
         if captured.first {
             // Not before they are there may surfaces read them.
             let captures = std::mem::replace(encoder, gpu.device.create_command_encoder(&Default::default()));

@@ -15,14 +15,14 @@ impl Reflections {
         self.given.extend(cubes);
     }
 
-    /// Cubemaps of baked probes that were captured since this was last asked. Blocks where there are any.
-    pub fn finished(&mut self, gpu: &Gpu) -> Result<Vec<(EntityId, Cube)>, GpuError> {
-        let finished = self.probes.iter_mut().filter(|probe| {
-            probe.settings.refresh == Refresh::Baked && probe.schedule.is_done() && !probe.kept
-        });
+    /// Cubemaps of baked probes that were captured for good. Blocks where there are any.
+    pub fn finished(&self, gpu: &Gpu) -> Result<Vec<(EntityId, Cube)>, GpuError> {
+        let finished = self
+            .probes
+            .iter()
+            .filter(|probe| probe.settings.refresh == Refresh::Baked && probe.schedule.is_done());
         finished
             .map(|probe| {
-                probe.kept = true;
                 let cube = self.prefilter.read(gpu, &probe.source.texture, 0)?;
                 let radiance = cube.texels().iter().map(|texel| *texel * probe.read_unit).collect();
                 Ok((probe.entity, Cube::new(cube.size(), radiance)))
@@ -49,7 +49,6 @@ impl Reflections {
                 upload(set.gpu, &probe.source.texture, &cube, probe.unit);
                 self.prefilter.run(encoder, set.timer, &probe.source, &self.cubes.faces[index + 1]);
                 probe.schedule.keep(seen);
-                probe.kept = true;
             }
         }
         self.given.clear();

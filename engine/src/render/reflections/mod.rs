@@ -75,8 +75,6 @@ struct Probe {
     schedule: Schedule,
     /// From where it stands.
     sight: Option<(Vec3, Sight)>,
-    /// What it shows is to be kept on disk, or is from there.
-    kept: bool,
     /// Radiance of one unit of the capture at hand, and of the cubemap that is read.
     unit: f32,
     read_unit: f32,
@@ -143,10 +141,6 @@ impl Reflections {
         self.sky.source.is_some() || !self.probes.is_empty()
     }
 
-    pub fn probe_count(&self) -> usize {
-        self.probes.len()
-    }
-
     pub fn bytes(&self) -> u64 {
         let cube = |texture: &wgpu::Texture| {
             u64::from(texture.width()) * u64::from(texture.width()) * 8 * 4 / 3
@@ -175,7 +169,7 @@ impl Reflections {
         for (probe, wanted) in self.probes.iter_mut().zip(&probes) {
             if probe.settings != *wanted.settings {
                 probe.settings = wanted.settings.clone();
-                probe.restart();
+                probe.schedule.restart();
             }
         }
         self.look(transport, occluders);
@@ -192,7 +186,7 @@ impl Reflections {
                 let moved = probe.sight.is_some();
                 probe.sight = Some((at, look_around(transport, occluders, at)));
                 if moved {
-                    probe.restart();
+                    probe.schedule.restart();
                 }
             }
         }
@@ -236,7 +230,6 @@ impl Reflections {
             room: Room::new(gpu, wanted.size),
             schedule: Schedule::default(),
             sight: None,
-            kept: false,
             unit: 1.0,
             read_unit: 1.0,
         };
@@ -394,12 +387,6 @@ impl Reflections {
 }
 
 impl Probe {
-    /// Everything that it shows is to be captured anew.
-    fn restart(&mut self) {
-        self.schedule.restart();
-        self.kept = false;
-    }
-
     /// It holds a capture, and one that was not taken inside a solid.
     fn is_usable(&self) -> bool {
         self.schedule.taken && self.sight.is_none_or(|(_, sight)| !sight.is_inside())

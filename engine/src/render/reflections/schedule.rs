@@ -9,9 +9,6 @@ const BUDGET: u32 = 12;
 /// after so many.
 const MOST_ROUNDS: u32 = 45;
 
-/// Captures of what is baked while light goes on moving, which never settles.
-const BAKED_ROUNDS: u32 = 8;
-
 /// Counts changes of what captures show.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Seen {
@@ -38,8 +35,6 @@ pub struct Schedule {
     turn: u64,
     /// Its cubemap holds a capture.
     pub taken: bool,
-    /// Captures of what is baked, of light that is solved.
-    solved: u32,
 }
 
 /// Faces to capture now.
@@ -146,13 +141,6 @@ pub fn plan(probes: &mut [(&ReflectionProbe, &mut Schedule)], settled: bool) -> 
             plan.push(faces);
         }
     }
-    for due in plan.iter().filter(|due| due.first == 0 && settled) {
-        let (settings, schedule) = &mut probes[due.probe];
-        if settings.refresh == Refresh::Baked {
-            schedule.solved += 1;
-            schedule.rounds = schedule.rounds.min((BAKED_ROUNDS + 1).saturating_sub(schedule.solved).max(1));
-        }
-    }
     plan
 }
 
@@ -166,7 +154,7 @@ mod tests {
 
     /// As light that settles with the second capture.
     fn took(schedule: &mut Schedule, due: &Due, seen: Seen) {
-        if schedule.took(due) && [MOST_ROUNDS - 2, BAKED_ROUNDS - 2].contains(&schedule.rounds) {
+        if schedule.took(due) && schedule.rounds == MOST_ROUNDS - 2 {
             schedule.settle(Refresh::OnChange, seen);
         }
     }
