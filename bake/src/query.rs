@@ -87,10 +87,10 @@ impl Query {
         let b = exact(&system, &e, 1e-10);
 
         (0..n).for_each(|i| sources[i] = m(i));
-        let from_emitters = gather(&transport.receiver_from_patch, &sources);
+        let from_emitters = transport.irradiance_of_receivers(&sources);
         let mut reflecting = vec![DVec3::ZERO; transport.columns()];
         (0..n).for_each(|i| reflecting[i] = b[i] - m(i));
-        let reflected = gather(&transport.receiver_from_patch, &reflecting);
+        let reflected = transport.irradiance_of_receivers(&reflecting);
         let extent = extent(transport);
         Self { rays, bvh, emitters, materials, lights, from_emitters, reflected, extent, solvable }
     }

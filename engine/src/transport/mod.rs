@@ -151,6 +151,11 @@ impl Transport {
         self.patches.len() + self.sky_patches as usize
     }
 
+    /// H = G B: irradiance at receivers from radiosity in all columns, sky patches last (pi * radiance) [W/m2].
+    pub fn irradiance_of_receivers(&self, values: &[DVec3]) -> Vec<DVec3> {
+        solve::gather(&self.receiver_from_patch, values)
+    }
+
     /// Array lengths, ranges and indices agree; numbers are finite; rows sum to at most 1. Says what does
     /// not. Whatever passes can be solved and drawn without a further look.
     pub fn validate(&self) -> Result<(), String> {

@@ -1,0 +1,1 @@
+//! Cubemaps: near walls, inside solids, between mirrors.

@@ -1,0 +1,1 @@
+//! From frame to frame: switches, flicker, millions of frames.

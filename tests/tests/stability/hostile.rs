@@ -1,0 +1,1 @@
+//! Nothing that comes in makes a NaN come out.

@@ -1,0 +1,1 @@
+//! Energy: what is known exactly of any room.

@@ -1,0 +1,1 @@
+//! Light probes: few, degenerate, far away, in walls.

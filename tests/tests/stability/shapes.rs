@@ -1,0 +1,1 @@
+//! Shapes: tiny, huge, touching, thin, twice.

@@ -1,0 +1,1 @@
+//! Values: not finite, out of range, on top of a light.
