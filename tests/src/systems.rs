@@ -45,6 +45,10 @@ pub fn baked_box(low: Vec3, high: Vec3, length: f64) -> Geometry {
 pub static BOX: LazyLock<Geometry> =
     LazyLock::new(|| baked_box(Vec3::new(-2.0, 0.0, -1.0), Vec3::new(2.0, 2.5, 1.0), 0.4));
 
+/// The same in few patches.
+pub static SMALL_BOX: LazyLock<Geometry> =
+    LazyLock::new(|| baked_box(Vec3::new(-2.0, 0.0, -1.0), Vec3::new(2.0, 2.5, 1.0), 1.0));
+
 /// A closed corridor, 20:1:1.
 pub static CORRIDOR: LazyLock<Geometry> =
     LazyLock::new(|| baked_box(Vec3::ZERO, Vec3::new(20.0, 1.0, 1.0), 0.4));

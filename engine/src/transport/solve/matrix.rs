@@ -10,7 +10,7 @@ use super::System;
 use crate::transport::{NONE, Patch, Rows};
 
 /// Entries below which threads cost more than they bring.
-const WORTH_THREADS: usize = 1 << 15;
+const WORTH_THREADS: usize = 1 << 17;
 
 /// I - R P of one channel.
 pub struct Matrix<'a> {
