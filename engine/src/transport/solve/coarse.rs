@@ -15,8 +15,8 @@ use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
 use super::System;
-use super::inverse::{inverse, times};
-use super::matrix::Matrix;
+use super::inverse::{dot, inverse, times};
+use super::matrix::{Matrix, WORTH_THREADS};
 use crate::transport::NONE;
 
 /// For the runtime: f32, three channels at once.
@@ -94,11 +94,13 @@ impl Level {
 
     /// c = inverse (restricted change).
     pub fn correction(&self, change: &[f64], sums: &mut [f64], c: &mut [f64]) {
-        sums.par_iter_mut().zip(self.restricted.par_chunks_exact(change.len().max(1))).for_each(
-            |(sum, row)| {
-                *sum = row.iter().zip(change).map(|(r, change)| r * change).sum();
-            },
-        );
+        let n = change.len().max(1);
+        let restrict = |(sum, row): (&mut f64, &[f64])| *sum = dot(row, change);
+        if self.restricted.len() < WORTH_THREADS {
+            sums.iter_mut().zip(self.restricted.chunks_exact(n)).for_each(restrict);
+        } else {
+            sums.par_iter_mut().zip(self.restricted.par_chunks_exact(n)).for_each(restrict);
+        }
         times(&self.inverse, sums, c);
     }
 
