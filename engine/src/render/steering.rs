@@ -10,6 +10,8 @@ use crate::transport::solve::Choice;
 
 /// Of the largest B; below it the light counts as solved.
 pub const TOLERANCE: f32 = 1e-3;
+/// Nor is more asked for than f32 has to give: residuals of a few units in the last place, times the cavity gain.
+const ROUNDING: f32 = 4.0 * f32::EPSILON;
 
 /// Products of a frame while light changes.
 const PRODUCTS: u32 = 2;
@@ -112,16 +114,17 @@ impl Steering {
         let most = choice.most.max(PRODUCTS);
         let Some(last) = self.measured else { return 2 * most };
         let bound = last.bound(cavity_gain);
-        if last.version == self.version && bound <= TOLERANCE {
+        let tolerance = TOLERANCE.max(ROUNDING * cavity_gain);
+        if last.version == self.version && bound <= tolerance {
             return 0;
         }
         if last.largest == 0.0 {
             return most;
         }
-        if bound <= 10.0 * TOLERANCE {
+        if bound <= 10.0 * tolerance {
             return PRODUCTS;
         }
-        let steps = (bound / TOLERANCE).ln() / -choice.leaves.ln() as f32;
+        let steps = (bound / tolerance).ln() / -choice.leaves.ln() as f32;
         // What is no number needs all that can be had.
         if steps < most as f32 { (steps.ceil() as u32).max(PRODUCTS) } else { most }
     }
@@ -166,6 +169,13 @@ mod tests {
         assert_eq!(far.products(2.0, &Choice { leaves: 0.9, ..two_level() }), 8);
         assert_eq!(far.products(2.0, &Choice { leaves: 0.9, most: 3, ..two_level() }), 3);
         assert_eq!(steering(0, None).products(2.0, &Choice { most: 3, ..two_level() }), 6);
+    }
+
+    #[test]
+    fn no_more_is_asked_for_than_f32_can_give() {
+        let near = steering(3, Some(measured(3, 3e-7)));
+        assert_eq!(near.products(1e4, &two_level()), 0);
+        assert_eq!(steering(3, Some(measured(3, 3e-6))).products(1e3, &two_level()), 2);
     }
 
     #[test]

@@ -31,14 +31,17 @@ pub struct Coarse {
 
 impl Coarse {
     pub fn new(system: &System) -> Self {
-        let levels: [Level; 3] = std::array::from_fn(|channel| Level::new(&Matrix::of(system, channel)));
+        let level = |channel: usize| Level::new(&Matrix::of(system, channel));
+        let grey = system.albedo.iter().all(|albedo| albedo.x == albedo.y && albedo.y == albedo.z);
+        let levels = if grey { vec![level(0)] } else { (0..3).map(level).collect() };
+        let levels = [0, 1, 2].map(|channel| &levels[channel.min(levels.len() - 1)]);
         // An aggregate that is black in one channel is there in others.
         let m = levels.iter().map(|level| level.m).max().unwrap_or(0);
-        let [red, green, blue] = &levels;
+        let [red, green, blue] = levels;
         let n = system.patches.len();
         let at = |level: &Level, k: usize| level.restricted.get(k).map_or(0.0, |&x| x as f32);
         let restricted = (0..m * n).map(|k| Vec4::new(at(red, k), at(green, k), at(blue, k), 0.0)).collect();
-        Self { m, restricted, inverse: levels.each_ref().map(|level| level.inverse_of(m)) }
+        Self { m, restricted, inverse: levels.map(|level| level.inverse_of(m)) }
     }
 
     /// Aggregates' corrections for a change B' - B: what irradiance they lack.

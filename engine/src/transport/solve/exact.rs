@@ -9,7 +9,8 @@ use super::iterate::{Run, prepare};
 use super::matrix::{Matrix, largest};
 use super::{Method, System};
 
-/// Solves for all three channels to a relative residual of `tolerance` (of the largest E). Channels that do
+/// Solves for all three channels to a relative residual of `tolerance` (of the largest E). What is no number in E counts
+/// as 0. Channels that do
 /// not reach it within a thousand products are as near as they came.
 pub fn exact(system: &System, e: &[DVec3], tolerance: f64) -> Vec<DVec3> {
     let mut b = vec![DVec3::ZERO; e.len()];
