@@ -9,11 +9,13 @@ use engine::transport::solve::{Channel, Method, Stop, solve};
 use engine::transport::{NONE, Patch, Rows};
 use glam::Vec3;
 
-/// Sets `component` and `aggregate` of every patch.
-pub fn mark(patches: &mut [Patch], rows: &Rows) {
+use crate::Watcher;
+
+/// Sets `component` and `aggregate` of every patch. A bake that is told to stop has them untried.
+pub fn mark(patches: &mut [Patch], rows: &Rows, watcher: &dyn Watcher) {
     components(patches, rows);
     aggregates(patches, rows);
-    (0..ROUNDS).all(|_| part_where_light_lingers(patches, rows));
+    (0..ROUNDS).all(|_| !watcher.cancelled() && part_where_light_lingers(patches, rows));
     renumber(patches);
 }
 
