@@ -22,4 +22,5 @@ pub fn shared() -> Option<PathBuf> {
 
 pub mod picture;
 pub mod room;
+pub mod solved;
 pub mod surfaces;
