@@ -37,6 +37,7 @@ pub mod solve;
 pub mod stale;
 pub mod surface;
 pub mod tetrahedra;
+mod validate;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
@@ -194,6 +195,7 @@ impl Transport {
             return Err("a sample names a patch that does not exist".to_owned());
         }
         self.depths.validate(self.probes.len())?;
+        validate::numbers(self)?;
         let rows = [
             ("patch", &self.patch_from_patch, patches, true),
             ("receiver", &self.receiver_from_patch, self.receivers.len(), true),
