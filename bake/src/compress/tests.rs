@@ -1,3 +1,7 @@
+use engine::transport::Patch;
+use engine::transport::tree::Node;
+use glam::Vec3;
+
 use super::*;
 use crate::directions::{hash, unit};
 
