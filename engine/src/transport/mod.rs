@@ -27,6 +27,7 @@ pub mod file;
 pub mod key;
 pub mod materials;
 pub mod occluders;
+pub mod packed;
 pub mod probe_field;
 pub mod reflection;
 pub mod rows;
