@@ -19,7 +19,8 @@ const BELOW: u32 = 0x1fff;
 pub fn pack(column: u32, weight: f32) -> Option<u32> {
     let scaled = weight * SCALE;
     let size = scaled.abs();
-    if column as usize >= MOST_COLUMNS || !(size < BEYOND) || floor(size) != size {
+    let fits = (column as usize) < MOST_COLUMNS && size < BEYOND && floor(size) == size;
+    if !fits {
         return None;
     }
     let bits = if size < LEAST_NORMAL { (size / LEAST) as u32 } else { (size.to_bits() >> 13) - (112 << 10) };
@@ -50,7 +51,8 @@ fn floor(size: f32) -> f32 {
 fn around(weight: f32) -> [f32; 2] {
     let size = weight.abs() * SCALE;
     let low = floor(size);
-    if !(size < BEYOND) || low == size {
+    let has_neighbours = size < BEYOND && low != size;
+    if !has_neighbours {
         return [weight; 2];
     }
     let high = if low < LEAST_NORMAL { low + LEAST } else { f32::from_bits(low.to_bits() + BELOW + 1) };
