@@ -5,6 +5,7 @@ use std::path::Path;
 use engine::scene::assets::Assets;
 use engine::scene::{MaterialId, Scene, Warning};
 use engine::transport::key::BakeWith;
+use engine::transport::packed::fold;
 use engine::transport::sh::COEFFICIENTS;
 use engine::transport::surface::Blend;
 use engine::transport::{Certificate, Probe, Rows, Transport};
@@ -185,7 +186,7 @@ fn rows_towards(
 }
 
 /// Rows of receivers as they were counted: what was sampled towards takes its share, the rest is scaled so that
-/// the row closes.
+/// the row closes. Weights are such as four bytes hold.
 fn receiver_rows(hits: &Hits, rays: u32, emitters: &Emitters, towards: &Towards) -> Rows {
     let finished: Vec<Vec<(u32, f32)>> =
         (0..hits.len()).into_par_iter().map(|i| receiver_row(hits, i, rays, emitters, &towards[i])).collect();
@@ -221,6 +222,7 @@ fn receiver_row(
         .collect();
     row.sort_unstable_by_key(|entry| entry.0);
     cap(&mut row, target);
+    fold(&mut row);
     row
 }
 
@@ -308,7 +310,10 @@ fn mark_probes(probes: &mut [Probe], rows: &[ProbeRow]) {
 fn add_probe_rows(probe_from_patch: &mut Rows, rows: Vec<ProbeRow>) {
     for row in rows {
         for k in 0..COEFFICIENTS {
-            probe_from_patch.push(row.entries.iter().map(|(column, weights)| (*column, weights[k] as f32)));
+            let mut entries: Vec<(u32, f32)> =
+                row.entries.iter().map(|(column, weights)| (*column, weights[k] as f32)).collect();
+            fold(&mut entries);
+            probe_from_patch.push(entries);
         }
     }
 }

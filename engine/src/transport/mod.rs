@@ -27,6 +27,7 @@ pub mod file;
 pub mod key;
 pub mod materials;
 pub mod occluders;
+pub mod packed;
 pub mod probe_field;
 pub mod reflection;
 pub mod rows;
@@ -37,6 +38,7 @@ pub mod solve;
 pub mod stale;
 pub mod surface;
 pub mod tetrahedra;
+pub mod tree;
 mod validate;
 
 use bytemuck::{Pod, Zeroable};
@@ -48,6 +50,7 @@ pub use depths::Depths;
 pub use occluders::Occluders;
 pub use rows::Rows;
 pub use surface::{Batch, Surface, Vertex};
+pub use tree::Tree;
 
 /// "No patch": a side that nothing reflects from or emits.
 pub const NONE: u32 = u32::MAX;
