@@ -23,6 +23,7 @@ mod split;
 mod surface;
 
 pub mod chain;
+pub mod form_factors;
 pub mod progress;
 pub mod report;
 
