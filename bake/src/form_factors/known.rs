@@ -7,10 +7,12 @@
 //! Whether a pair is known is decided by geometry and by rays that are not counted, so that neither what is known
 //! nor what is left to chance is biased by it.
 
+use glam::Vec3;
 use rayon::prelude::*;
 
-use super::facet::{Facet, Flat, facets};
+use super::facet::{Facet, facets};
 use super::pairs::{Pair, Sights, pairs};
+use super::solid_angle::Spherical;
 use crate::BakeError;
 use crate::directions::{Sobol, hash, unit};
 use crate::layout::Places;
@@ -27,6 +29,9 @@ pub struct Known {
 }
 
 /// Pairs worth fewer hits than this are left to chance.
+fn knob(name: &str, default: f64) -> f64 {
+    std::env::var(name).ok().and_then(|x| x.parse().ok()).unwrap_or(default)
+}
 const LEAST_HITS: f64 = 0.5;
 /// Of those with something between, fewer than this.
 const LEAST_HITS_SAMPLED: f64 = 0.5;
@@ -48,27 +53,45 @@ pub fn known(
     rays: u32,
     is_whole: impl Fn(usize) -> bool,
 ) -> Result<Vec<Vec<Known>>, BakeError> {
+    let started = std::time::Instant::now();
     let scene = tracer.scene;
     let n = scene.patch_areas.len();
     tracer.watcher.stage("closed forms", 1);
     let facets = facets(scene, is_whole);
     let things: Vec<u32> = (0..n as u32).filter(|&i| !scene.patch_back[i as usize]).collect();
     let density: Vec<f64> = scene.patch_areas.iter().map(|area| f64::from(rays) / area).collect();
-    let sights =
-        Sights { facets: &facets, things, slack: f64::from(tracer.bvh.offset()), density, least: LEAST_HITS };
+    let sights = Sights {
+        facets: &facets,
+        things,
+        slack: f64::from(tracer.bvh.offset()),
+        density,
+        least: knob("LEAST", LEAST_HITS),
+    };
     let shadows = Shadows::new(tracer, &facets);
     let found = pairs(&sights, tracer.watcher, |pair| {
         let [i, j] = pair.patches.map(|i| i as usize);
         let hits = pair.exchange * (sights.density[i] + sights.density[j]);
         if pair.is_free {
-            Some((pair.patches, pair.exchange, (CLOSED * CLOSED * hits) as f32))
+            Some((pair.patches, pair.exchange, (CLOSED * CLOSED * hits) as f32, true))
         } else {
             let (share, freedom) = shadows.share(&pair, hits)?;
-            Some((pair.patches, pair.exchange * share, freedom))
+            Some((pair.patches, pair.exchange * share, freedom, false))
         }
     })?;
+    if knob("DEBUG", 0.0) > 0.0 {
+        let total = found.len();
+        let free = found.iter().filter(|f| f.3).count();
+        let area: f64 = scene.patch_areas.iter().sum();
+        let sum = |is: bool| found.iter().filter(|f| f.3 == is).map(|f| 2.0 * f.1).sum::<f64>() / area;
+        eprintln!(
+            "rays {rays}: {total} pairs, {free} free with {:.4} of all, sampled {:.4}; {:?}",
+            sum(true),
+            sum(false),
+            started.elapsed()
+        );
+    }
     let mut known: Vec<Vec<Known>> = vec![Vec::new(); n];
-    for ([i, j], exchange, freedom) in found {
+    for ([i, j], exchange, freedom, _) in found {
         let freedom = freedom.clamp(1e-6, 1.0);
         known[i as usize].push(Known { column: j, exchange, freedom });
         known[j as usize].push(Known { column: i, exchange, freedom });
@@ -94,9 +117,7 @@ impl<'a> Shadows<'a> {
 
     /// The share of the closed form that is seen and its freedom; `None` where chance is to find it.
     fn share(&self, pair: &Pair, hits: f64) -> Option<(f64, f32)> {
-        let flat = |i: u32| self.facets[i as usize].flat.as_ref();
-        let [a, b] = [flat(pair.patches[0])?, flat(pair.patches[1])?];
-        if hits < LEAST_HITS_SAMPLED || is_near(a, b) {
+        if hits < knob("LEAST_S", LEAST_HITS_SAMPLED) {
             return None;
         }
         let [i, j] = pair.patches.map(|i| self.tracer.scene.patch_keys[i as usize]);
@@ -105,7 +126,9 @@ impl<'a> Shadows<'a> {
         if seen == 0.0 {
             return None;
         }
-        let rays = ((SHADOW_RAYS * hits) as u32).next_power_of_two().clamp(FEWEST, MOST);
+        let rays = ((knob("SHADOW", SHADOW_RAYS) * hits) as u32)
+            .next_power_of_two()
+            .clamp(knob("FEWEST", FEWEST as f64) as u32, MOST);
         let (seen, all) = self.sample(pair, rays, key);
         if all <= 0.0 {
             return None;
@@ -116,28 +139,67 @@ impl<'a> Shadows<'a> {
         Some((share, ((1.0 - likely) * hits / f64::from(rays)) as f32))
     }
 
-    /// Sums of c V and c.
+    /// Sums of what would be carried and is, and of what would be.
     fn sample(&self, pair: &Pair, rays: u32, key: u64) -> (f64, f64) {
         let [a, b] = pair.patches.map(|i| &self.places[i as usize]);
+        let is_near = self.is_near(pair);
         let (mut seen, mut all) = (0.0, 0.0);
         for k in 0..rays {
             let [u, v, s, t] = self.sobol.point(k, key);
-            let ((from, normal, _), (to, facing, _)) = (a.at(u, v), b.at(s, t));
-            let way = to - from;
-            let r2 = way.length_squared();
-            let carried = normal.dot(way).max(0.0) * (-facing.dot(way)).max(0.0) / (r2 * r2);
-            if carried > 0.0 && carried.is_finite() {
-                all += f64::from(carried);
-                let chance = unit(hash(key ^ u64::from(k)) as u32);
-                if self.tracer.bvh.visible(from, normal, to, chance, self.tracer.holes) {
-                    seen += f64::from(carried);
-                }
+            let (from, normal, _) = a.at(u, v);
+            let Some((to, carried)) = (if is_near {
+                self.towards(pair.patches[1], from, normal, [s, t])
+            } else {
+                even(b, from, normal, [s, t])
+            }) else {
+                continue;
+            };
+            all += carried;
+            let chance = unit(hash(key ^ u64::from(k)) as u32);
+            if self.tracer.bvh.visible(from, normal, to, chance, self.tracer.holes) {
+                seen += carried;
             }
         }
         (seen, all)
     }
+
+    fn is_near(&self, pair: &Pair) -> bool {
+        let [a, b] = pair.patches.map(|i| self.facets[i as usize].flat.as_ref());
+        a.zip(b).is_some_and(|(a, b)| a.centre.distance(b.centre) < NEAR * (a.radius + b.radius))
+    }
+
+    /// A point of a near patch, even over its solid angle, and cos * solid angle.
+    fn towards(&self, patch: u32, from: Vec3, normal: Vec3, [s, t]: [f32; 2]) -> Option<(Vec3, f64)> {
+        let scene = self.tracer.scene;
+        let flat = self.facets[patch as usize].flat.as_ref()?;
+        let (at, up) = (from.as_dvec3(), normal.as_dvec3());
+        let height = flat.height(at);
+        if height <= 0.0 {
+            return None;
+        }
+        let triangles = scene.triangles[scene.patch_triangles[patch as usize].clone()].iter();
+        let seen: Vec<Spherical> =
+            triangles.filter_map(|t| Spherical::new(at, &t.map(|corner| corner.as_dvec3()))).collect();
+        let whole: f64 = seen.iter().map(|seen| seen.solid_angle).sum();
+        let mut target = f64::from(s) * whole;
+        for seen in &seen {
+            if target < seen.solid_angle {
+                let direction = seen.direction(target / seen.solid_angle, f64::from(t));
+                let (cos, fall) = (up.dot(direction), -flat.normal.dot(direction));
+                return (cos > 0.0 && fall > 0.0)
+                    .then(|| ((at + direction * (height / fall)).as_vec3(), cos * whole));
+            }
+            target -= seen.solid_angle;
+        }
+        None
+    }
 }
 
-fn is_near(a: &Flat, b: &Flat) -> bool {
-    a.centre.distance(b.centre) < NEAR * (a.radius + b.radius)
+/// A point of a patch, even by area, and cos cos / r^2.
+fn even(places: &Places, from: Vec3, normal: Vec3, [s, t]: [f32; 2]) -> Option<(Vec3, f64)> {
+    let (to, facing, _) = places.at(s, t);
+    let way = to - from;
+    let r2 = way.length_squared();
+    let carried = normal.dot(way).max(0.0) * (-facing.dot(way)).max(0.0) / (r2 * r2);
+    (carried > 0.0 && carried.is_finite()).then_some((to, f64::from(carried)))
 }

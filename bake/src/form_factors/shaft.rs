@@ -179,7 +179,7 @@ mod tests {
         for k in 0..4000 {
             let make = |seed: u64, size: f32| {
                 let ([x, y, z, _], [a, b, c, d]) = (number(k, seed), number(k, seed + 1));
-                triangle(Vec3::new(x, y, z) * 3.0, glam::Quat::from_xyzw(a, b, c, d).normalize(), size)
+                triangle(Vec3::new(x, y, z), glam::Quat::from_xyzw(a, b, c, d).normalize(), size)
             };
             let triangles = [make(1, 0.5), make(3, 0.7), make(5, 1.0)];
             let facets = of(&triangles);
@@ -199,7 +199,7 @@ mod tests {
             cleared += usize::from(is_beside);
         }
         println!("{crossed} crossed, {cleared} beside");
-        assert!(crossed > 100 && cleared > 2000);
+        assert!(crossed > 100 && cleared > 1000);
     }
 
     fn inside(t: &[Vec3; 3], u: f64, v: f64) -> DVec3 {
