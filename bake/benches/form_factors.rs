@@ -21,13 +21,7 @@ fn main() -> Result<()> {
     };
     let faces = faces(&shared.join("reference/scenes/cornell/patches_500.obj"))?;
     let reference = matrix(&shared.join("reference/cornell_500_form_factors.npy"))?;
-    let compared = compare(
-        &faces,
-        &reference,
-        &PRODUCT_RAYS,
-        if std::env::var("NOPLAIN").is_ok() { &[] } else { &PLAIN_RAYS },
-        runs,
-    )?;
+    let compared = compare(&faces, &reference, &PRODUCT_RAYS, &PLAIN_RAYS, runs)?;
     println!("{} faces, {} threads, medians of {runs} runs", faces.len(), rayon::current_num_threads());
     table("this bake", &compared.product);
     table("plain rays", &compared.plain);

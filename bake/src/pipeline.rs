@@ -81,9 +81,7 @@ pub fn make(
     transport.depths = depths(&tracer, &transport, surface.unit);
 
     let is_whole = |i: usize| rays.patch_triangles[i].clone().all(|t| holes.is_whole(t));
-    let t0 = std::time::Instant::now();
-    let known = if std::env::var("NOHYBRID").is_ok() { vec![Vec::new(); rays.patch_areas.len()] } else { known(&tracer, with.rays, is_whole)? };
-    if std::env::var("DEBUG").is_ok() { eprintln!("known {:?}, entries {} of {}", t0.elapsed(), known.iter().map(Vec::len).sum::<usize>(), patch_hits.columns.len()); }
+    let known = known(&tracer, with.rays, &emitters, is_whole)?;
 
     watcher.stage("balance", 1);
     let areas = &rays.patch_areas;

@@ -15,6 +15,7 @@ use super::pairs::{Pair, Sights, pairs};
 use super::solid_angle::Spherical;
 use crate::BakeError;
 use crate::directions::{Sobol, hash, unit};
+use crate::emitter::Emitters;
 use crate::layout::Places;
 use crate::rays::Tracer;
 
@@ -28,71 +29,56 @@ pub struct Known {
     pub freedom: f32,
 }
 
-/// Pairs worth fewer hits than this are left to chance.
-fn knob(name: &str, default: f64) -> f64 {
-    std::env::var(name).ok().and_then(|x| x.parse().ok()).unwrap_or(default)
-}
-const LEAST_HITS: f64 = 0.5;
-/// Of those with something between, fewer than this.
-const LEAST_HITS_SAMPLED: f64 = 0.5;
+/// Up to this many patches, every pair of flat ones is looked at; it takes no longer than the rays of a row.
+const FEW_PATCHES: usize = 1024;
+/// Beyond, those that rays would hit at least as often: few, and most of the matrix's norm.
+const LEAST_HITS: f64 = 8.0;
 /// Shadow rays for each hit that the pair is worth, and their limits.
-const SHADOW_RAYS: f64 = 2.0;
+const SHADOW_RAYS: f64 = 4.0;
 const FEWEST: u32 = 8;
 const MOST: u32 = 256;
 /// Shadow rays that look whether anything is to be seen at all.
 const SCOUTS: u32 = 4;
-/// Patches nearer to each other than this many radii are left to chance: between points close to each other
-/// c has no bound.
+/// Between patches nearer to each other than this many radii of both, c has no bound: one point is even over the
+/// other patch's solid angle instead.
 const NEAR: f64 = 1.5;
 /// What a closed form may be off by.
 const CLOSED: f64 = 1e-3;
 
-/// By patch, columns ascending; symmetric.
+/// Rows of known entries by patch, columns ascending; symmetric. `is_whole`: by patch, has it no holes?
 pub fn known(
     tracer: &Tracer,
     rays: u32,
+    emitters: &Emitters,
     is_whole: impl Fn(usize) -> bool,
 ) -> Result<Vec<Vec<Known>>, BakeError> {
-    let started = std::time::Instant::now();
     let scene = tracer.scene;
     let n = scene.patch_areas.len();
     tracer.watcher.stage("closed forms", 1);
-    let facets = facets(scene, is_whole);
-    let things: Vec<u32> = (0..n as u32).filter(|&i| !scene.patch_back[i as usize]).collect();
-    let density: Vec<f64> = scene.patch_areas.iter().map(|area| f64::from(rays) / area).collect();
+    let slack = f64::from(tracer.bvh.offset());
+    let facets = facets(scene, slack, is_whole);
     let sights = Sights {
         facets: &facets,
-        things,
-        slack: f64::from(tracer.bvh.offset()),
-        density,
-        least: knob("LEAST", LEAST_HITS),
+        things: (0..n as u32).filter(|&i| !scene.patch_back[i as usize]).collect(),
+        slack,
+        density: scene.patch_areas.iter().map(|area| f64::from(rays) / area).collect(),
+        least: if n <= FEW_PATCHES { 0.0 } else { LEAST_HITS },
     };
     let shadows = Shadows::new(tracer, &facets);
     let found = pairs(&sights, tracer.watcher, |pair| {
         let [i, j] = pair.patches.map(|i| i as usize);
         let hits = pair.exchange * (sights.density[i] + sights.density[j]);
         if pair.is_free {
-            Some((pair.patches, pair.exchange, (CLOSED * CLOSED * hits) as f32, true))
-        } else {
-            let (share, freedom) = shadows.share(&pair, hits)?;
-            Some((pair.patches, pair.exchange * share, freedom, false))
+            return Some((pair, (CLOSED * CLOSED * hits) as f32));
         }
+        // Emitters are sampled towards already.
+        let by_chance = emitters.is_emitter[i] == emitters.is_emitter[j];
+        let (share, freedom) = by_chance.then(|| shadows.share(&pair, hits)).flatten()?;
+        Some((Pair { exchange: pair.exchange * share, ..pair }, freedom))
     })?;
-    if knob("DEBUG", 0.0) > 0.0 {
-        let total = found.len();
-        let free = found.iter().filter(|f| f.3).count();
-        let area: f64 = scene.patch_areas.iter().sum();
-        let sum = |is: bool| found.iter().filter(|f| f.3 == is).map(|f| 2.0 * f.1).sum::<f64>() / area;
-        eprintln!(
-            "rays {rays}: {total} pairs, {free} free with {:.4} of all, sampled {:.4}; {:?}",
-            sum(true),
-            sum(false),
-            started.elapsed()
-        );
-    }
     let mut known: Vec<Vec<Known>> = vec![Vec::new(); n];
-    for ([i, j], exchange, freedom, _) in found {
-        let freedom = freedom.clamp(1e-6, 1.0);
+    for (Pair { patches: [i, j], exchange, .. }, freedom) in found {
+        let freedom = freedom.clamp(LEAST_FREEDOM, 1.0);
         known[i as usize].push(Known { column: j, exchange, freedom });
         known[j as usize].push(Known { column: i, exchange, freedom });
     }
@@ -100,6 +86,9 @@ pub fn known(
     tracer.watcher.advance(1, 0);
     Ok(known)
 }
+
+/// Of what is known best; balancing must be able to close every row.
+const LEAST_FREEDOM: f32 = 1e-6;
 
 /// Shadow rays from patch to patch.
 struct Shadows<'a> {
@@ -115,20 +104,15 @@ impl<'a> Shadows<'a> {
         Self { tracer, facets, places, sobol: Sobol::new(MOST) }
     }
 
-    /// The share of the closed form that is seen and its freedom; `None` where chance is to find it.
+    /// The share of the closed form that is seen, and its freedom; `None` where chance is to find it.
     fn share(&self, pair: &Pair, hits: f64) -> Option<(f64, f32)> {
-        if hits < knob("LEAST_S", LEAST_HITS_SAMPLED) {
-            return None;
-        }
         let [i, j] = pair.patches.map(|i| self.tracer.scene.patch_keys[i as usize]);
         let key = hash(i ^ hash(j));
         let (seen, _) = self.sample(pair, SCOUTS, key ^ 0x5c07);
         if seen == 0.0 {
             return None;
         }
-        let rays = ((knob("SHADOW", SHADOW_RAYS) * hits) as u32)
-            .next_power_of_two()
-            .clamp(knob("FEWEST", FEWEST as f64) as u32, MOST);
+        let rays = ((SHADOW_RAYS * hits) as u32).clamp(FEWEST, MOST).next_power_of_two();
         let (seen, all) = self.sample(pair, rays, key);
         if all <= 0.0 {
             return None;

@@ -47,17 +47,12 @@ pub fn of_faces(faces: &[[Vec3; 3]], rays: u32, watcher: &dyn Watcher) -> Result
     let bvh = Bvh::new(&scene.rays.triangles, Vec::new());
     let tracer = Tracer { scene: &scene.rays, bvh: &bvh, holes: &Solid, watcher };
     let n = scene.numbers.len();
-    let t0 = std::time::Instant::now();
     let hits = tracer.patch_rows(rays, &Cache::none())?;
-    let t1 = t0.elapsed();
-    let known = known::known(&tracer, rays, |_| true)?;
     let emitters = Emitters::choose(&scene.rays, &vec![false; n]);
+    let known = known::known(&tracer, rays, &emitters, |_| true)?;
     let towards = vec![Vec::new(); n];
     let areas = &scene.rays.patch_areas;
     let (rows, ..) = balanced_rows(&hits, rays, areas, &emitters, &towards, &known, watcher)?;
-    if std::env::var("DEBUG").is_ok() {
-        eprintln!("rays in {t1:?}, all {:?}", t0.elapsed());
-    }
     let lost = (0..n).map(|i| f64::from(hits.lost[i] + hits.escaped[i]) / f64::from(rays));
     Ok(scene.spread(&rows, &lost.collect::<Vec<_>>()))
 }

@@ -19,17 +19,19 @@ pub fn exchange(of: &[Edge], with: &[Edge]) -> f64 {
     (pairs.sum::<f64>() / TAU).max(0.0)
 }
 
-/// The same from four points each of equal weight, for polygons that are far from each other.
-pub fn exchange_by_points(of: &[DVec3; 4], with: &[DVec3; 4], normals: [DVec3; 2], areas: [f64; 2]) -> f64 {
+/// The same from points that stand for areas, for polygons that are far from each other.
+pub fn exchange_by_points(of: &[(DVec3, f64)], with: &[(DVec3, f64)], normals: [DVec3; 2]) -> f64 {
     let mut sum = 0.0;
-    for from in of {
-        for to in with {
+    for (from, area) in of {
+        let mut arriving = 0.0;
+        for (to, area) in with {
             let way = *to - *from;
             let r2 = way.length_squared();
-            sum += (normals[0].dot(way) * -normals[1].dot(way)).max(0.0) / (r2 * r2);
+            arriving += area * (normals[0].dot(way) * -normals[1].dot(way)).max(0.0) / (r2 * r2);
         }
+        sum += area * arriving;
     }
-    sum * areas[0] * areas[1] / (16.0 * PI)
+    sum / PI
 }
 
 /// The part of a convex polygon on the front of a plane.

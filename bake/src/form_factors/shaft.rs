@@ -36,18 +36,22 @@ impl Box3 {
     }
 }
 
+/// A plane along an axis: the other two axes, outward normal in their plane, how far out the hull reaches.
+type Side = ([usize; 2], DVec2, f64);
+
 /// The hull of two boxes.
 pub struct BoxShaft {
     whole: Box3,
-    /// Axes, outward normal in their plane, how far out the hull reaches.
-    sides: Vec<([usize; 2], DVec2, f64)>,
+    sides: [Side; 6],
+    count: usize,
     boxes: [Box3; 2],
     slack: f64,
 }
 
 impl BoxShaft {
     pub fn new(a: Box3, b: Box3, slack: f64) -> Self {
-        let mut sides = Vec::with_capacity(6);
+        let mut sides = [([0, 1], DVec2::ZERO, 0.0); 6];
+        let mut count = 0;
         for axes in [[0, 1], [1, 2], [2, 0]] {
             for signs in [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]].map(DVec2::from_array) {
                 let corner = |of: &Box3| {
@@ -60,13 +64,15 @@ impl BoxShaft {
                 let (from, to) = (corner(&a), corner(&b));
                 let across = (to - from).perp();
                 let normal = if across.dot(signs) < 0.0 { -across } else { across };
-                if (normal * signs).min_element() > 0.0 {
+                // At most two an axis: opposite corners cannot both lean.
+                if (normal * signs).min_element() > 0.0 && count < sides.len() {
                     let normal = normal.normalize();
-                    sides.push((axes, normal, normal.dot(from).max(normal.dot(to))));
+                    sides[count] = (axes, normal, normal.dot(from).max(normal.dot(to)));
+                    count += 1;
                 }
             }
         }
-        Self { whole: a.union(b), sides, boxes: [a, b], slack }
+        Self { whole: a.union(b), sides, count, boxes: [a, b], slack }
     }
 
     /// Surely not in the way?
@@ -75,11 +81,12 @@ impl BoxShaft {
         if (low + slack).cmpge(self.whole.high).any() || (high - slack).cmple(self.whole.low).any() {
             return true;
         }
-        let is_out = |(axes, normal, reach): &([usize; 2], DVec2, f64)| {
+        let is_out = |(axes, normal, reach): &Side| {
             let nearest = |k: usize| if normal[k] > 0.0 { low[axes[k]] } else { high[axes[k]] };
             normal.dot(DVec2::new(nearest(0), nearest(1))) >= reach - slack
         };
-        self.sides.iter().any(is_out) || thing.flat.as_ref().is_some_and(|flat| self.is_on_one_side(flat))
+        self.sides[..self.count].iter().any(is_out)
+            || thing.flat.as_ref().is_some_and(|flat| self.is_on_one_side(flat))
     }
 
     /// Nothing that lies on one side of a plane is parted by what lies in it.
@@ -164,7 +171,7 @@ mod tests {
             patch_areas: vec![1.0; triangles.len()],
             ..RayScene::default()
         };
-        facets(&scene, |_| true)
+        facets(&scene, 1e-6, |_| true)
     }
 
     fn triangle(at: Vec3, turn: glam::Quat, size: f32) -> [Vec3; 3] {
