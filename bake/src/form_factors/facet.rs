@@ -38,7 +38,7 @@ pub struct Flat {
 /// Beyond this many radii of both, four points say all (to 1e-3 of the factor).
 const FAR: f64 = 4.0;
 /// Beyond this many, three points for each of at least [`PARTS`] parts do.
-const APART: f64 = 1.5;
+const APART: f64 = 1.2;
 const PARTS: usize = 4;
 
 /// `slack`: how far corners may be off their plane; `is_whole`: by patch, has it no holes?

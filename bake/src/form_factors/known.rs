@@ -42,8 +42,8 @@ const SCOUTS: u32 = 4;
 /// Between patches nearer to each other than this many radii of both, c has no bound: one point is even over the
 /// other patch's solid angle instead.
 const NEAR: f64 = 1.5;
-/// What a closed form may be off by.
-const CLOSED: f64 = 1e-3;
+/// What a closed form is off by, in shares of itself.
+const CLOSED: f64 = 1e-4;
 
 /// Rows of known entries by patch, columns ascending; symmetric. `is_whole`: by patch, has it no holes?
 pub fn known(
@@ -186,4 +186,108 @@ fn even(places: &Places, from: Vec3, normal: Vec3, [s, t]: [f32; 2]) -> Option<(
     let r2 = way.length_squared();
     let carried = normal.dot(way).max(0.0) * (-facing.dot(way)).max(0.0) / (r2 * r2);
     (carried > 0.0 && carried.is_finite()).then_some((to, f64::from(carried)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Silent;
+    use crate::cache::Cache;
+    use crate::layout::RayScene;
+    use engine::transport::NONE;
+    use engine::transport::bvh::{Bvh, Holes};
+
+    const RAYS: u32 = 1 << 16;
+
+    /// Half of each panel is a hole, and of a veil half the light passes.
+    struct Half {
+        panels: Vec<bool>,
+        veils: Vec<bool>,
+    }
+
+    impl Holes for Half {
+        fn passes(&self, triangle: u32, [v, w]: [f32; 2], chance: f32) -> bool {
+            let is = |of: &[bool]| of[triangle as usize];
+            is(&self.panels) && v + w < 0.5_f32.sqrt() || is(&self.veils) && chance < 0.5
+        }
+    }
+
+    fn add(scene: &mut RayScene, corners: [Vec3; 3], double_sided: bool, share: f64) {
+        let t = scene.triangles.len();
+        scene.triangles.push(corners);
+        let mut both = [NONE; 2];
+        for (back, patch) in both.iter_mut().enumerate().take(1 + usize::from(double_sided)) {
+            *patch = scene.patch_areas.len() as u32;
+            let [a, b, c] = corners.map(|corner| corner.as_dvec3());
+            scene.patch_areas.push(0.5 * (b - a).cross(c - a).length() * share);
+            scene.patch_keys.push(hash(u64::from(*patch)));
+            scene.patch_triangles.push(t..t + 1);
+            scene.patch_back.push(back == 1);
+        }
+        scene.patches.push(both);
+    }
+
+    /// A closed cube of 48 triangles, each wall in quarters.
+    fn cube(scene: &mut RayScene) {
+        for axis in [Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z] {
+            let (u, v) = axis.any_orthonormal_pair();
+            for (x, y) in [(-1.0, -1.0), (0.0, -1.0), (-1.0, 0.0), (0.0, 0.0)] {
+                let at = |i: f32, j: f32| -axis + u * (x + i) + v * (y + j);
+                add(scene, [at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0)], false, 1.0);
+                add(scene, [at(0.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)], false, 1.0);
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_known_is_what_rays_find_among_leaves_holes_and_veils() {
+        let mut scene = RayScene::default();
+        cube(&mut scene);
+        let walls = scene.triangles.len();
+        let at = |x: f32, y: f32, z: f32| Vec3::new(x, y, z);
+        add(&mut scene, [at(0.1, -0.2, 0.1), at(0.7, 0.1, 0.2), at(0.2, 0.4, 0.5)], true, 1.0);
+        add(&mut scene, [at(-0.6, -1.0, -0.2), at(0.1, -1.0, -0.4), at(-0.3, -0.1, -0.3)], false, 1.0);
+        add(&mut scene, [at(-0.7, 0.5, -0.6), at(0.3, 0.5, -0.7), at(-0.2, 0.6, 0.5)], true, 0.5);
+        add(&mut scene, [at(-0.8, -0.5, 0.3), at(-0.2, -0.6, 0.8), at(-0.6, 0.2, 0.6)], true, 0.5);
+        let only = |k: usize| (0..scene.triangles.len()).map(|t| t == k).collect::<Vec<bool>>();
+        let holes = Half { panels: only(walls + 2), veils: only(walls + 3) };
+        let holed: Vec<bool> =
+            (0..scene.triangles.len()).map(|t| holes.panels[t] || holes.veils[t]).collect();
+        let bvh = Bvh::new(&scene.triangles, holed.clone());
+        let tracer = Tracer { scene: &scene, bvh: &bvh, holes: &holes, watcher: &Silent };
+        let hits = tracer.patch_rows(RAYS, &Cache::none()).unwrap();
+        let n = scene.patch_areas.len();
+        let emitters = Emitters::choose(&scene, &vec![false; n]);
+        let is_whole = |i: usize| !holed[scene.patch_triangles[i].start];
+        let known = known(&tracer, RAYS, &emitters, is_whole).unwrap();
+        let (mut worst, mut square, mut count) = (0.0_f64, 0.0, 0);
+        for i in 0..n {
+            for entry in &known[i] {
+                let found = hits.row(i).find(|hit| hit.0 == entry.column).map_or(0, |hit| hit.1);
+                let (found, rays) = (f64::from(found) / f64::from(RAYS), f64::from(RAYS));
+                let share = entry.exchange / scene.patch_areas[i];
+                let back =
+                    hits.row(entry.column as usize).find(|hit| hit.0 as usize == i).map_or(0, |hit| hit.1);
+                let back =
+                    f64::from(back) / rays * scene.patch_areas[entry.column as usize] / scene.patch_areas[i];
+                let chance = share * (1.0 - share) / rays;
+                // Shadow rays have a share of it.
+                let sigma = (chance * (1.0 + f64::from(entry.freedom)) + 1e-14).sqrt();
+                let off = (found - share) / sigma;
+                assert!(
+                    off.abs() < 5.5,
+                    "{i} to {}: {share}, rays {found} there, {back} back: {off} sigma",
+                    entry.column
+                );
+                worst = worst.max(off.abs());
+                square += off * off;
+                count += 1;
+            }
+        }
+        let rms = (square / f64::from(count)).sqrt();
+        println!("{count} entries, worst {worst:.1} sigma, rms {rms:.2}");
+        assert!(count > 1000 && rms < 1.1);
+        // Nothing is known of what has holes.
+        assert!((0..n).filter(|&i| !is_whole(i)).all(|i| known[i].is_empty()));
+    }
 }

@@ -23,8 +23,9 @@ pub struct BakeWith {
     pub length: f64,
 }
 
-/// Counts up whenever the same input bakes to other bytes. 3: probes beside walls keep how far they see.
-const METHOD: u32 = 3;
+/// Counts up whenever the same input bakes to other bytes. 4: patches with nothing between them
+/// take closed forms.
+const METHOD: u32 = 4;
 
 /// One thing that a bake was made of.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
