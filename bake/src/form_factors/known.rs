@@ -1,11 +1,13 @@
-//! What need not be left to chance: pairs of flat patches with nothing between them have closed forms; of others that
-//! are not too near each other, a share of the closed form is seen, and shadow rays from one to the other find it.
+//! What need not be left to chance: pairs of flat patches with nothing between them have closed forms; of others a
+//! share of the closed form is seen, and shadow rays from one to the other find it.
 //!
 //! ```text
-//! A_i F_ij = (A_i F_ij)_free * Sum_k c_k V_k / Sum_k c_k        c = cos cos / r^2 between points even on both
+//! A_i F_ij = (A_i F_ij)_free * Sum_k c_k V_k / Sum_k c_k
+//! c = cos cos / r^2        between points even on both patches
+//! c = cos * solid angle    between patches that are near: even on one, even over the solid angle of the other
 //! ```
 //! Whether a pair is known is decided by geometry and by rays that are not counted, so that neither what is known
-//! nor what is left to chance is biased by it.
+//! nor what is left to chance is biased by it. A patch that is bent or has holes is left to chance.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -29,9 +31,9 @@ pub struct Known {
     pub freedom: f32,
 }
 
-/// Up to this many patches, every pair of flat ones is looked at; it takes no longer than the rays of a row.
+/// Up to this many patches, every pair of flat ones is looked at: it takes as long as a thousand rays each.
 const FEW_PATCHES: usize = 1024;
-/// Beyond, those that rays would hit at least as often: few, and most of the matrix's norm.
+/// Beyond, those that rays would hit at least so often: few, and most of the matrix's norm.
 const LEAST_HITS: f64 = 8.0;
 /// Shadow rays for each hit that the pair is worth, and their limits.
 const SHADOW_RAYS: f64 = 4.0;

@@ -44,6 +44,7 @@ pub struct FormFactors {
 /// is best.
 pub fn of_faces(faces: &[[Vec3; 3]], rays: u32, watcher: &dyn Watcher) -> Result<FormFactors, BakeError> {
     let scene = Faces::new(faces)?;
+    let rays = rays.clamp(1, 1 << 20);
     let bvh = Bvh::new(&scene.rays.triangles, Vec::new());
     let tracer = Tracer { scene: &scene.rays, bvh: &bvh, holes: &Solid, watcher };
     let n = scene.numbers.len();

@@ -152,6 +152,9 @@ impl Tree {
         if nodes[0] != nodes[1] && most * (a.density + b.density) < sights.least {
             return None;
         }
+        if things.is_empty() {
+            return Some(Task { nodes, things: Vec::new() });
+        }
         let shaft = BoxShaft::new(a.bounds, b.bounds, sights.slack);
         let is_between = |&thing: &u32| !shaft.is_beside(&sights.facets[thing as usize]);
         Some(Task { nodes, things: things.iter().copied().filter(is_between).collect() })
@@ -160,7 +163,9 @@ impl Tree {
     /// All pairs below, until `each` says no.
     fn walk(&self, sights: &Sights, task: Task, each: &mut impl FnMut(Pair) -> bool) -> bool {
         let [a, b] = task.nodes.map(|node| &self.nodes[node]);
-        if task.nodes[0] != task.nodes[1] && task.things.is_empty() {
+        // Where some may not be worth it, only a few at once.
+        let is_small = sights.least == 0.0 || a.patches.len() * b.patches.len() <= 64;
+        if task.nodes[0] != task.nodes[1] && task.things.is_empty() && is_small {
             let pairs = a
                 .patches
                 .clone()
