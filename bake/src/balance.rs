@@ -152,9 +152,9 @@ fn pool(
         lost: (0..n).map(|i| areas[i] * f64::from(hits.lost[i] + hits.escaped[i]) / rays).collect(),
     };
     symmetric.fill(rows);
-    for i in 0..n {
+    for (i, area) in areas.iter().enumerate() {
         let sky = hits.row(i).filter(|&(j, _)| j as usize >= n);
-        symmetric.sky.push(sky.map(|(j, count)| (j, areas[i] * f64::from(count) / rays)).collect());
+        symmetric.sky.push(sky.map(|(j, count)| (j, area * f64::from(count) / rays)).collect());
     }
     symmetric
 }

@@ -256,8 +256,8 @@ mod tests {
         for k in 0..60 {
             let number =
                 |i: u32| crate::directions::unit(crate::directions::hash(u64::from(16 * k + i)) as u32) - 0.5;
-            let turn =
-                glam::Quat::from_rotation_x(3.1416 + 1.6 * number(0)) * glam::Quat::from_rotation_z(k as f32);
+            let turn = glam::Quat::from_rotation_x(std::f32::consts::PI + 1.6 * number(0))
+                * glam::Quat::from_rotation_z(k as f32);
             let shape = [Vec3::ZERO, Vec3::X, Vec3::new(-0.2, 1.1, 0.0)]
                 .map(|p| turn * (p - Vec3::new(0.27, 0.37, 0.0)));
             let radii = a.flat.as_ref().unwrap().radius + facet(&[shape]).flat.unwrap().radius;
