@@ -17,7 +17,7 @@ use crate::certify::certify_rows;
 use crate::depth::depths;
 use crate::directions::{Sobol, hash_of};
 use crate::emitter::Emitters;
-use crate::form_factors::known::known;
+use crate::form_factors::known::{LEAST_HITS, known};
 use crate::holes::AlphaHoles;
 use crate::layout::{Layout, SAMPLES, layout};
 use crate::probe::{ProbeRow, probe_row};
@@ -81,7 +81,7 @@ pub fn make(
     transport.depths = depths(&tracer, &transport, surface.unit);
 
     let is_whole = |i: usize| rays.patch_triangles[i].clone().all(|t| holes.is_whole(t));
-    let known = known(&tracer, with.rays, &emitters, is_whole)?;
+    let known = known(&tracer, with.rays, LEAST_HITS, &emitters, is_whole)?;
 
     watcher.stage("balance", 1);
     let areas = &rays.patch_areas;

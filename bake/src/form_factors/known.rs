@@ -31,10 +31,9 @@ pub struct Known {
     pub freedom: f32,
 }
 
-/// Up to this many patches, every pair of flat ones is looked at: it takes as long as a thousand rays each.
-const FEW_PATCHES: usize = 1024;
-/// Beyond, those that rays would hit at least so often: few, and most of the matrix's norm.
-const LEAST_HITS: f64 = 8.0;
+/// A bake looks at pairs that rays would hit at least so often: few, and most of the matrix's norm. All others
+/// would double its time and hardly change what is seen.
+pub const LEAST_HITS: f64 = 8.0;
 /// Shadow rays for each hit that the pair is worth, and their limits.
 const SHADOW_RAYS: f64 = 4.0;
 const FEWEST: u32 = 8;
@@ -47,10 +46,12 @@ const NEAR: f64 = 1.5;
 /// What a closed form is off by, in shares of itself.
 const CLOSED: f64 = 1e-4;
 
-/// Rows of known entries by patch, columns ascending; symmetric. `is_whole`: by patch, has it no holes?
+/// Rows of known entries by patch, columns ascending; symmetric. Pairs worth fewer hits than `least` are left to
+/// chance. `is_whole`: by patch, has it no holes?
 pub fn known(
     tracer: &Tracer,
     rays: u32,
+    least: f64,
     emitters: &Emitters,
     is_whole: impl Fn(usize) -> bool,
 ) -> Result<Vec<Vec<Known>>, BakeError> {
@@ -64,7 +65,7 @@ pub fn known(
         things: (0..n as u32).filter(|&i| !scene.patch_back[i as usize]).collect(),
         slack,
         density: scene.patch_areas.iter().map(|area| f64::from(rays) / area).collect(),
-        least: if n <= FEW_PATCHES { 0.0 } else { LEAST_HITS },
+        least,
     };
     let shadows = Shadows::new(tracer, &facets);
     let found = pairs(&sights, tracer.watcher, |pair| {
@@ -266,7 +267,7 @@ mod tests {
         let n = scene.patch_areas.len();
         let emitters = Emitters::choose(&scene, &vec![false; n]);
         let is_whole = |i: usize| !holed[scene.patch_triangles[i].start];
-        let known = known(&tracer, RAYS, &emitters, is_whole).unwrap();
+        let known = known(&tracer, RAYS, 0.0, &emitters, is_whole).unwrap();
         let (mut worst, mut square, mut count) = (0.0_f64, 0.0, 0);
         for (i, row) in known.iter().enumerate() {
             for entry in row {

@@ -40,7 +40,7 @@ pub struct FormFactors {
     pub lost: Vec<f64>,
 }
 
-/// Counter-clockwise corners of each face as seen from its front; any unit. `rays` start on each; a power of two
+/// All pairs of faces are looked at. Counter-clockwise corners of each face as seen from its front; any unit. `rays` start on each; a power of two
 /// is best.
 pub fn of_faces(faces: &[[Vec3; 3]], rays: u32, watcher: &dyn Watcher) -> Result<FormFactors, BakeError> {
     let scene = Faces::new(faces)?;
@@ -50,7 +50,7 @@ pub fn of_faces(faces: &[[Vec3; 3]], rays: u32, watcher: &dyn Watcher) -> Result
     let n = scene.numbers.len();
     let hits = tracer.patch_rows(rays, &Cache::none())?;
     let emitters = Emitters::choose(&scene.rays, &vec![false; n]);
-    let known = known::known(&tracer, rays, &emitters, |_| true)?;
+    let known = known::known(&tracer, rays, 0.0, &emitters, |_| true)?;
     let towards = vec![Vec::new(); n];
     let areas = &scene.rays.patch_areas;
     let (rows, ..) = balanced_rows(&hits, rays, areas, &emitters, &towards, &known, watcher)?;
