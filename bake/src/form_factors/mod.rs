@@ -40,8 +40,8 @@ pub struct FormFactors {
     pub lost: Vec<f64>,
 }
 
-/// All pairs of faces are looked at. Counter-clockwise corners of each face as seen from its front; any unit. `rays` start on each; a power of two
-/// is best.
+/// Of all pairs of faces. Corners run counter-clockwise as seen from the front, in any unit. `rays` start on each
+/// face; a power of two is best.
 pub fn of_faces(faces: &[[Vec3; 3]], rays: u32, watcher: &dyn Watcher) -> Result<FormFactors, BakeError> {
     let scene = Faces::new(faces)?;
     let rays = rays.clamp(1, 1 << 20);
