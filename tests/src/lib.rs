@@ -20,6 +20,10 @@ pub fn shared() -> Option<PathBuf> {
     None
 }
 
+pub mod enclosure;
 pub mod picture;
+pub mod repeats;
 pub mod room;
+pub mod runtime;
+pub mod solved;
 pub mod surfaces;
