@@ -39,6 +39,8 @@ pub struct RayScene {
     pub receivers: Vec<Place>,
     pub probes: Vec<Vec3>,
     pub sky_patches: u32,
+    /// By patch, or empty where none is: it lies on another that faces the same way, and exchanges no light.
+    pub covered: Vec<bool>,
 }
 
 impl RayScene {

@@ -12,6 +12,7 @@ mod directions;
 mod emitter;
 mod holes;
 mod layout;
+mod overlap;
 mod patch;
 mod pipeline;
 mod probe;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use engine::scene::assets::Assets;
-use engine::scene::{MaterialId, Scene, Warning};
+use engine::scene::{Entity, EntityId, MaterialId, Scene, Warning};
 use engine::transport::key::BakeWith;
 use engine::transport::packed::fold;
 use engine::transport::sh::COEFFICIENTS;
@@ -21,6 +21,7 @@ use crate::emitter::Emitters;
 use crate::form_factors::known::{LEAST_HITS, known};
 use crate::holes::AlphaHoles;
 use crate::layout::{Layout, SAMPLES, layout};
+use crate::overlap::covered;
 use crate::probe::{ProbeRow, probe_row};
 use crate::rays::{Hits, Tracer};
 use crate::surface::Surface;
@@ -64,13 +65,17 @@ pub fn make(
     watcher: &dyn Watcher,
 ) -> Result<(Transport, Vec<Warning>), BakeError> {
     watcher.stage("patches and receivers", 1);
-    let Layout { mut transport, rays, dropped_triangles, warnings, .. } =
+    let Layout { mut transport, mut rays, dropped_triangles, mut warnings, .. } =
         layout(scene, assets, surface, with.length, watcher)?;
     watcher.advance(1, 0);
 
     let holes = AlphaHoles::new(&transport.surface, scene, assets);
     let bvh = Bvh::new(&rays.triangles, holes.holed());
-    let emitters = Emitters::choose(&rays, &sampled(scene, &transport));
+    rays.covered = covered(&rays, &bvh, &holes.holed());
+    warnings.extend(warnings_of_covered(scene, &transport, &rays.covered));
+    let mut sampled = sampled(scene, &transport);
+    sampled.iter_mut().zip(&rays.covered).for_each(|(sampled, covered)| *sampled &= !covered);
+    let emitters = Emitters::choose(&rays, &sampled);
     let tracer = Tracer { scene: &rays, bvh: &bvh, holes: &holes, watcher };
 
     let patch_hits = tracer.patch_rows(with.rays, &caches.patch)?;
@@ -122,6 +127,21 @@ pub fn make(
     certificate.transport_hash = transport.hash().to_hex().to_string();
     transport.certificate = certificate;
     Ok((transport, warnings))
+}
+
+/// One an entity.
+fn warnings_of_covered(scene: &Scene, transport: &Transport, covered: &[bool]) -> Vec<Warning> {
+    let mut counts = std::collections::BTreeMap::<u64, usize>::new();
+    for (patch, _) in transport.patches.iter().zip(covered).filter(|(_, covered)| **covered) {
+        *counts.entry(transport.surface.batches[patch.batch as usize].entity().0).or_default() += 1;
+    }
+    let named = counts.into_iter().filter_map(|(id, count)| Some((scene.entity(EntityId(id))?, count)));
+    let warning = |(entity, count): (&Entity, usize)| {
+        let message =
+            format!("{count} of its patches lie on others that face the same way: they exchange no light");
+        Warning::new(format!("entity `{}`", entity.name), message)
+    };
+    named.map(warning).collect()
 }
 
 fn sky_hits(hits: &Hits, i: usize, patches: usize) -> u32 {

@@ -64,7 +64,7 @@ pub fn is_baked(scene: &Scene, entity: &Entity) -> bool {
     entity.is_static && entity.mesh.is_some() && !scene.is_hidden(entity)
 }
 
-/// Gathers all static triangles. NaN and infinity are refused with the entity's name.
+/// Gathers all static triangles. NaN, infinity and what is beyond all measure are refused with the entity's name.
 pub fn sanitise(scene: &Scene, assets: &Assets) -> Result<Surface, SceneError> {
     let mut surface = Surface::default();
     let world = world_from_local(scene);
@@ -94,6 +94,7 @@ fn gather(
     if !world_from_local.is_finite() {
         return Err(refuse("its transform is not finite: correct it or one of its parents'".to_owned()));
     }
+    surface.warnings.extend(rounded(entity, mesh, world_from_local));
     let mirrored = world_from_local.matrix3.determinant() < 0.0;
     let placed: Vec<Corner> = (0..mesh.positions.len())
         .map(|vertex| place(mesh, vertex, world_from_local, renderer.density.at(mesh.original(vertex))))
@@ -128,6 +129,28 @@ fn gather(
     Ok(())
 }
 
+/// A vertex is rounded by more than this share of its mesh's size where the mesh lies far from its own origin.
+const COARSE: f64 = 1e-4;
+
+/// Numbers far from 0 are coarse: floats in a mesh 1000 km from its origin by 6 cm. An entity may stand as far away as
+/// it likes, as its place is in f64.
+fn rounded(entity: &Entity, mesh: &Mesh, world_from_local: &DAffine3) -> Option<Warning> {
+    let low = mesh.positions.iter().fold(Vec3::INFINITY, |low, p| low.min(*p)).as_dvec3();
+    let high = mesh.positions.iter().fold(Vec3::NEG_INFINITY, |high, p| high.max(*p)).as_dvec3();
+    let (size, far) = ((high - low).max_element(), low.abs().max(high.abs()).max_element());
+    let step = f64::from((far as f32).next_up()) - f64::from(far as f32);
+    let metres = world_from_local.matrix3.x_axis.length();
+    let message = || {
+        format!(
+            "its vertices lie up to {:.0} m from its own origin, where floats are {:.2e} m apart: move the mesh to its \
+             origin, and the entity to its place",
+            far * metres,
+            step * metres
+        )
+    };
+    (step > COARSE * size).then(|| Warning::new(format!("entity `{}`", entity.name), message()))
+}
+
 fn place(mesh: &Mesh, vertex: usize, world_from_local: &DAffine3, density: f32) -> Corner {
     let normal = normal_matrix(world_from_local) * mesh.normals[vertex].as_dvec3();
     let tangent = mesh.tangents.as_ref().map_or([0.0; 4], |tangents| {
@@ -159,10 +182,6 @@ fn rebase(surface: &mut Surface) {
         corner.position = (corner.position - origin) / unit;
     }
     (surface.origin, surface.unit) = (origin, unit);
-    if origin.abs().max_element() > 1e5 * unit {
-        let message = format!("the scene lies {:.0} m from the origin", origin.length());
-        surface.warnings.push(Warning::new("scene", message));
-    }
 }
 
 /// Without area: nothing to see and nothing to divide by. Slivers of aspect 1e6 stay.
