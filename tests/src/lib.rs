@@ -25,5 +25,5 @@ pub mod picture;
 pub mod repeats;
 pub mod room;
 pub mod runtime;
-pub mod solved;
+pub mod solution;
 pub mod surfaces;

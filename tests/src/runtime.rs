@@ -6,7 +6,7 @@ use engine::scene::Scene;
 use glam::{DVec3, Vec3, Vec4};
 
 use crate::picture::{Studio, gpu};
-use crate::solved::Solved;
+use crate::solution::Solved;
 
 pub struct Runtime {
     pub studio: Studio,

@@ -7,7 +7,7 @@ use tests::enclosure::{furnished, paint, project};
 use tests::repeats::run;
 use tests::room::light;
 use tests::runtime::Runtime;
-use tests::solved::{Solved, apart, largest, narrow, solved, wide};
+use tests::solution::{Solved, apart, largest, narrow, solved, wide};
 
 /// Half the distance from 1 to the next float.
 const U32: f64 = 6e-8;

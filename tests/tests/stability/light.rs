@@ -9,7 +9,7 @@ use tests::enclosure::{
     sphere, under_a_sky, well,
 };
 use tests::room::light;
-use tests::solved::{Solved, apart, largest, solved};
+use tests::solution::{Solved, apart, largest, solved};
 use tests::surfaces::quad;
 
 const RAYS: u32 = 256;

@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3};
 use tests::enclosure::{Wall, block, change, cube, paint, project, room};
 use tests::room::light;
 use tests::runtime::Runtime;
-use tests::solved::{Solved, largest, solved, wide};
+use tests::solution::{Solved, largest, solved, wide};
 use tests::surfaces::quad;
 
 const RAYS: u32 = 64;

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 use tests::enclosure::{Wall, cube, project, rooms_apart};
 use tests::project::TestProject;
-use tests::solved::{Solved, baked, solved};
+use tests::solution::{Solved, baked, solved};
 use tests::surfaces::{Faces, from_obj};
 
 const RAYS: u32 = 1024;

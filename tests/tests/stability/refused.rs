@@ -9,7 +9,7 @@ use tests::enclosure::{change, cube, paint, project};
 use tests::made::{FACING, Made, SQUARE, project as files};
 use tests::project::TestProject;
 use tests::room::light;
-use tests::solved::{Solved, baked, solved};
+use tests::solution::{Solved, baked, solved};
 use tests::surfaces::from_obj;
 
 const RAYS: u32 = 64;

@@ -5,7 +5,7 @@ use engine::transport::{Transport, file};
 use glam::{DVec3, Vec3};
 use tests::enclosure::{Wall, change, furnished, paint, project};
 use tests::room::light;
-use tests::solved::{Solved, baked, solved};
+use tests::solution::{Solved, baked, solved};
 use tests::surfaces::{form_factor, quad};
 
 const LENGTH: f64 = 0.3;

@@ -7,7 +7,7 @@ use engine::transport::Transport;
 use glam::Vec3;
 use tests::enclosure::{Wall, change, project};
 use tests::project::TestProject;
-use tests::solved::{baked, solved};
+use tests::solution::{baked, solved};
 use tests::surfaces::{Faces, area, entities, form_factor, quad};
 
 const RAYS: u32 = 4096;

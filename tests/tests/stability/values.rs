@@ -8,7 +8,7 @@ use tests::enclosure::{
 };
 use tests::room::{self, light};
 use tests::runtime::Runtime;
-use tests::solved::{Solved, apart, largest, narrow, solved, wide};
+use tests::solution::{Solved, apart, largest, narrow, solved, wide};
 use tests::surfaces::quad;
 
 const RAYS: u32 = 256;
