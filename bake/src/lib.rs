@@ -24,6 +24,7 @@ mod surface;
 
 pub mod chain;
 pub mod compress;
+pub mod form_factors;
 pub mod progress;
 pub mod report;
 

@@ -18,6 +18,7 @@ use crate::certify::certify_rows;
 use crate::depth::depths;
 use crate::directions::{Sobol, hash_of};
 use crate::emitter::Emitters;
+use crate::form_factors::known::{LEAST_HITS, known};
 use crate::holes::AlphaHoles;
 use crate::layout::{Layout, SAMPLES, layout};
 use crate::probe::{ProbeRow, probe_row};
@@ -80,15 +81,19 @@ pub fn make(
     mark_probes(&mut transport.probes, &probe_rows);
     transport.depths = depths(&tracer, &transport, surface.unit);
 
+    let is_whole = |i: usize| rays.patch_triangles[i].clone().all(|t| holes.is_whole(t));
+    let known = known(&tracer, with.rays, LEAST_HITS, &emitters, is_whole)?;
+
     watcher.stage("balance", 1);
+    let areas = &rays.patch_areas;
     let (rows, targets, balance) =
-        balanced_rows(&patch_hits, with.rays, &rays.patch_areas, &emitters, &patches_towards, watcher)?;
+        balanced_rows(&patch_hits, with.rays, areas, &emitters, &patches_towards, &known, watcher)?;
     transport.patch_from_patch = rows;
     transport.patches.iter_mut().zip(targets).for_each(|(patch, target)| patch.target = target);
     transport.receiver_from_patch = receiver_rows(&receiver_hits, with.rays, &emitters, &receivers_towards);
     mark_receivers(&mut transport, &receiver_hits, with.rays);
     add_probe_rows(&mut transport.probe_from_patch, probe_rows);
-    aggregate::mark(&mut transport.patches, &transport.patch_from_patch);
+    aggregate::mark(&mut transport.patches, &transport.patch_from_patch, watcher);
     watcher.advance(1, 0);
 
     let rays_of = |rows: usize| rows as u64 * u64::from(with.rays);

@@ -11,6 +11,11 @@ use engine::scene::{Entity, Mesh, Scene, SceneError, Warning, world_from_local};
 use engine::transport::Batch;
 use glam::{DAffine3, DVec3, Vec2, Vec3};
 
+/// Metres from the origin of the world: products of four lengths are floats.
+pub const FARTHEST: f64 = 1e9;
+/// Twice the area of a triangle, m2: squares of what is larger are floats.
+const LEAST_AREA: f64 = 1e-18;
+
 /// Everything static, in scaled space: world = origin + unit * position.
 #[derive(Default)]
 pub struct Surface {
@@ -111,6 +116,9 @@ fn gather(
             if corners.iter().any(|corner| !corner.position.is_finite()) {
                 return Err(refuse("a vertex is not finite: repair the mesh".to_owned()));
             }
+            if corners.iter().any(|corner| corner.position.abs().max_element() > FARTHEST) {
+                return Err(refuse(format!("it reaches farther than {FARTHEST:e} m: move or scale it")));
+            }
             if mirrored {
                 corners.swap(1, 2);
             }
@@ -144,7 +152,9 @@ fn rebase(surface: &mut Surface) {
     let high = positions().fold(DVec3::NEG_INFINITY, DVec3::max);
     let extent = (high - low).max_element();
     let unit = if extent > 0.0 && extent.is_finite() { extent.log2().ceil().exp2() } else { 1.0 };
-    let origin = if extent.is_finite() { ((low + high) * 0.5 / unit).round() * unit } else { DVec3::ZERO };
+    // Halves go up on both sides of 0: `round` would send them away from it, and a scene that crosses it with them.
+    let middle = (low + high) * (0.5 / unit);
+    let origin = if extent.is_finite() { (middle + 0.5).floor() * unit } else { DVec3::ZERO };
     for corner in surface.triangles.iter_mut().flat_map(|triangle| &mut triangle.corners) {
         corner.position = (corner.position - origin) / unit;
     }
@@ -158,11 +168,12 @@ fn rebase(surface: &mut Surface) {
 /// Without area: nothing to see and nothing to divide by. Slivers of aspect 1e6 stay.
 fn drop_degenerate(surface: &mut Surface) {
     let before = surface.triangles.len();
+    let least = LEAST_AREA / (surface.unit * surface.unit);
     surface.triangles.retain(|triangle| {
         let [a, b, c] = triangle.positions().map(|p| p.as_vec3());
         let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
         let cross = triangle.cross().length();
-        a != b && b != c && c != a && cross > 1e-9 * f64::from(longest) && cross > 1e-18
+        a != b && b != c && c != a && cross > 1e-9 * f64::from(longest) && cross > least.max(1e-18)
     });
     surface.dropped += before - surface.triangles.len();
     for triangle in &mut surface.triangles {

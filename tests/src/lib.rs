@@ -22,4 +22,6 @@ pub fn shared() -> Option<PathBuf> {
 
 pub mod picture;
 pub mod room;
+pub mod solved;
 pub mod surfaces;
+pub mod systems;

@@ -23,9 +23,9 @@ pub struct BakeWith {
     pub length: f64,
 }
 
-/// Counts up whenever the same input bakes to other bytes. 4: receivers' and probes' weights are such as
-/// four bytes hold.
-const METHOD: u32 = 4;
+/// Counts up whenever the same input bakes to other bytes. 5: closed forms for pairs with nothing between them; weights
+/// of receivers and probes that four bytes hold; origins at halves of the grid.
+const METHOD: u32 = 5;
 
 /// One thing that a bake was made of.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

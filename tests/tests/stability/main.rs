@@ -1,5 +1,6 @@
 //! The stability catalogue: stiff and extreme cases, each through the real pipeline, each a sentence.
 
+mod absurd;
 mod cubemaps;
 mod files;
 mod frames;
