@@ -102,7 +102,7 @@ mod tests {
                 }
                 let count = f64::from(1 << 14);
                 let [scale, bias] = table.at(cosine, roughness);
-                assert!((albedo / count - scale - bias).abs() < 0.01, "{roughness} {cosine}: {albedo}");
+                assert!((albedo / count - scale - bias).abs() < 5e-3, "{roughness} {cosine}: {albedo}");
                 // Int cos^2 over the half sphere; narrow lobes hardly see its rim.
                 if roughness >= 0.8 {
                     assert!((solid_angle / count / (TAU / 3.0) - 1.0).abs() < 0.05, "{solid_angle}");

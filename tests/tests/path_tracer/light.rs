@@ -78,8 +78,8 @@ fn shiny_surfaces_under_uniform_light_show_what_the_players_split_says_and_no_mo
                 let away = DVec3::new((1.0 - cosine * cosine).sqrt(), cosine, 0.0);
                 let seen = tracer.radiance(away * 0.5, -away, 8192, 1);
                 let (found, wanted) = (seen.radiance.x, reflected(albedo, metallic, roughness, cosine));
-                // The player's table holds means over 256 directions in 64 x 64 cells: within 1 % at grazing angles.
-                let limit = 4.0 * seen.standard_error.x + 0.01;
+                // The player's table holds means over 256 directions.
+                let limit = 4.0 * seen.standard_error.x + 5e-3;
                 let case =
                     format!("albedo {albedo}, metallic {metallic}, roughness {roughness}, cosine {cosine}");
                 println!("{case}: {found:.4}, {wanted:.4} wanted");
@@ -145,7 +145,6 @@ fn a_lamp_of_two_sides_shines_both_ways_and_one_of_one_side_does_not() {
     }
 }
 
-/// Under two panes of which each lets half through, an eighth or a half would be wrong.
 #[test]
 fn two_panes_that_let_half_through_let_a_quarter_through() {
     const RAYS: u32 = 1 << 14;
