@@ -3,6 +3,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+use glam::DVec3;
+
 /// Sum over the corners of a box of ranges, signs alternating: what is left of a fourfold integral.
 fn corners(ranges: [[f64; 2]; 4], of: impl Fn([f64; 4]) -> f64) -> f64 {
     (0..16_usize)
@@ -75,6 +77,22 @@ pub fn point_perpendicular(a: [f64; 2], b: [f64; 2], c: f64) -> f64 {
     corner(a[1], b[1]) - corner(a[0], b[1]) - corner(a[1], b[0]) + corner(a[0], b[0])
 }
 
+/// A point against a flat polygon that it sees whole: corners counter-clockwise from the front, all above the point's
+/// horizon (Lambert 1760). In a plane with the point there is nothing to see.
+pub fn point_polygon(position: DVec3, normal: DVec3, corners: &[DVec3]) -> f64 {
+    let facing = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+    if facing.dot(position - corners[0]) <= 0.0 {
+        return 0.0;
+    }
+    let edge = |k: usize| {
+        // Seen from the front corners run the other way round.
+        let (a, b) = (corners[(k + 1) % corners.len()] - position, corners[k] - position);
+        let cross = a.cross(b);
+        cross.length().atan2(a.dot(b)) * normal.dot(cross.normalize_or_zero())
+    };
+    (0..corners.len()).map(edge).sum::<f64>() / TAU
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -124,5 +142,8 @@ mod tests {
         assert_near(point_parallel(UNIT, UNIT, 1.0), 0.138_532);
         assert_near(point_parallel([-0.5, 0.5], [-0.5, 0.5], 1.0), 0.239_456);
         assert_near(point_perpendicular(UNIT, UNIT, 1.0), 0.055_734_2);
+        let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, z]| DVec3::new(x, 1.0, z));
+        assert_near(point_polygon(DVec3::ZERO, DVec3::Y, &square), 0.138_532);
+        assert_eq!(point_polygon(DVec3::Y * 2.0, DVec3::NEG_Y, &square), 0.0);
     }
 }

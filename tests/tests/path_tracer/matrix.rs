@@ -46,7 +46,8 @@ fn form_factor(from: &Cell, to: &Cell) -> f64 {
         return parallel(from.ranges[u], from.ranges[v], to.ranges[u], to.ranges[v], 1.0);
     }
     // From the edge that both walls share.
-    let off = |[a, b]: [f64; 2], wall: usize| if wall % 2 == 0 { [a, b] } else { [1.0 - b, 1.0 - a] };
+    let off =
+        |[a, b]: [f64; 2], wall: usize| if wall.is_multiple_of(2) { [a, b] } else { [1.0 - b, 1.0 - a] };
     let common = 3 - p - q;
     let (x, xi) = (off(from.ranges[q], to.wall), off(to.ranges[p], from.wall));
     perpendicular(x, from.ranges[common], to.ranges[common], xi)
@@ -110,11 +111,8 @@ fn the_bakes_rows_differ_from_it_by_their_noise() {
     let lit = coloured_room();
     let transport = lit.bake(0.4, 4096);
     let scene = lit.project.scene();
-    let reference = MatrixReference::new(&scene, &Assets::default(), &transport, RAYS, 5, &Silent);
-    let reference = match reference {
-        Ok(reference) => reference,
-        Err(error) => panic!("{error}"),
-    };
+    let reference =
+        MatrixReference::new(&scene, &Assets::default(), &transport, RAYS, 5, &Silent).expect("rows");
     assert!(reference.defect() <= 1e-12, "{:e}", reference.defect());
     let n = transport.patches.len();
     let (mut chi, mut pairs) = (0.0, 0.0);
@@ -122,13 +120,13 @@ fn the_bakes_rows_differ_from_it_by_their_noise() {
         let own = f64::from(transport.patches[i].area);
         let mut row = vec![0.0; transport.columns()];
         transport.patch_from_patch.row(i).for_each(|(j, weight)| row[j as usize] = f64::from(weight));
-        for j in 0..n {
+        for (j, &found) in row.iter().enumerate().take(n) {
             let there = f64::from(transport.patches[j].area);
             let wanted = reference.matrix()[i * n + j];
             // P / (A_i (R / A_i + R / A_j)), of both sides.
             let variance = |rays: f64| wanted / (own * (rays / own + rays / there));
             if wanted > 1e-3 {
-                chi += (row[j] - wanted).powi(2) / (variance(4096.0) + variance(f64::from(RAYS)));
+                chi += (found - wanted).powi(2) / (variance(4096.0) + variance(f64::from(RAYS)));
                 pairs += 1.0;
             }
         }

@@ -4,8 +4,8 @@
 //! as many independent rays, the last by 4 of its own standard errors.
 
 use bake::{Method, Point};
-use glam::Vec3;
-use tests::closed_forms::{point_parallel, point_perpendicular};
+use glam::{DVec3, Vec3};
+use tests::closed_forms::{point_parallel, point_perpendicular, point_polygon};
 use tests::lit::{BLACK, LAMP, Lit, belt, disc, meter, point};
 use tests::surfaces::{Faces, quad, turned};
 
@@ -67,14 +67,21 @@ fn a_point_under_a_disc_gets_what_the_closed_form_says() {
     assert_factors(turned(disc(1.0, 3.0, 64)), &[(point([0.0; 3], UP), on_axis(3.0))], 1e-4);
 }
 
+/// (r/d)^2, but for the facets: what each of those that face the point sends there is Lambert's.
 #[test]
 fn a_point_that_faces_a_sphere_gets_the_square_of_its_apparent_size() {
-    // Flat facets inside the sphere: 48 x 24 of them miss up to (1 - cos(pi/48))/2 of its outline.
-    let ball: Faces = belt(1.0, 48, 24, 0..24);
-    for distance in [2.0_f64, 4.0] {
-        let wanted = 1.0 / (distance * distance);
-        assert_factors(ball.clone(), &[(point([0.0, -distance, 0.0], UP), wanted)], 4e-3 * wanted);
-    }
+    let ball: Faces = belt(1.0, 24, 12, 0..12);
+    let facing = |y: f64| {
+        let (position, normal) = (DVec3::Y * y, DVec3::Y * -y.signum());
+        let of = |face: &Vec<Vec3>| {
+            let corners: Vec<DVec3> = face.iter().map(|corner| corner.as_dvec3()).collect();
+            point_polygon(position, normal, &corners)
+        };
+        let wanted: f64 = ball.iter().map(of).sum();
+        assert!((wanted * y * y - 1.0).abs() < 0.02, "{wanted}");
+        (Point { position, normal }, wanted)
+    };
+    assert_factors(ball.clone(), &[facing(-2.0), facing(4.0)], 0.0);
 }
 
 #[test]
