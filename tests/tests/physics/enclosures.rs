@@ -46,12 +46,12 @@ fn eigenvalues(mut a: [[f64; 6]; 6]) -> [f64; 6] {
         for (p, q) in (0..6).flat_map(|p| (p + 1..6).map(move |q| (p, q))) {
             let angle = 0.5 * (2.0 * a[p][q]).atan2(a[q][q] - a[p][p]);
             let (sin, cos) = angle.sin_cos();
-            for k in 0..6 {
-                (a[k][p], a[k][q]) = (cos * a[k][p] - sin * a[k][q], sin * a[k][p] + cos * a[k][q]);
+            for row in &mut a {
+                (row[p], row[q]) = (cos * row[p] - sin * row[q], sin * row[p] + cos * row[q]);
             }
-            for k in 0..6 {
-                (a[p][k], a[q][k]) = (cos * a[p][k] - sin * a[q][k], sin * a[p][k] + cos * a[q][k]);
-            }
+            let (first, second) = (a[p], a[q]);
+            a[p] = std::array::from_fn(|k| cos * first[k] - sin * second[k]);
+            a[q] = std::array::from_fn(|k| sin * first[k] + cos * second[k]);
         }
     }
     let mut values: [f64; 6] = std::array::from_fn(|k| a[k][k]);
