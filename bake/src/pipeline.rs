@@ -87,7 +87,7 @@ pub fn make(
     transport.receiver_from_patch = receiver_rows(&receiver_hits, with.rays, &emitters, &receivers_towards);
     mark_receivers(&mut transport, &receiver_hits, with.rays);
     add_probe_rows(&mut transport.probe_from_patch, probe_rows);
-    aggregate::mark(&mut transport.patches, &transport.patch_from_patch);
+    aggregate::mark(&mut transport.patches, &transport.patch_from_patch, watcher);
     watcher.advance(1, 0);
 
     let rays_of = |rows: usize| rows as u64 * u64::from(with.rays);

@@ -32,21 +32,45 @@ pub fn probe_row(
     key: u64,
 ) -> ProbeRow {
     let mut weights: std::collections::BTreeMap<u32, [f64; COEFFICIENTS]> = std::collections::BTreeMap::new();
-    let mut lost = 0_u32;
+    let (mut lost, mut counted, mut towards_emitters) = (0_u32, 0_u32, 0_u32);
     for ray in 0..rays {
         let [u, v, ..] = sobol.point(ray, key);
         let direction = sphere_direction(u, v);
         let chance = unit(hash(key ^ u64::from(ray)) as u32);
         match tracer.column(position, Vec3::ZERO, direction, chance) {
-            Seen::Column(column) if !is_emitter(emitters, column) => {
+            Seen::Column(column) if is_emitter(emitters, column) => towards_emitters += 1,
+            Seen::Column(column) => {
+                counted += 1;
                 add(weights.entry(column).or_default(), direction, 4.0 / f64::from(rays));
             }
             Seen::Back => lost += 1,
-            _ => {}
+            Seen::Nothing => {}
         }
     }
-    weights.extend(towards_all(tracer, emitters, position, sobol, key, 64));
+    let mut towards = towards_all(tracer, emitters, position, sobol, key, 64);
+    let [chance_scale, scale] = scales(counted, towards_emitters, rays, &towards);
+    weights.values_mut().flatten().for_each(|weight| *weight *= chance_scale);
+    towards.iter_mut().flat_map(|(_, weights)| weights).for_each(|weight| *weight *= scale);
+    weights.extend(towards);
     ProbeRow { entries: weights.into_iter().collect(), lost: f64::from(lost) / f64::from(rays) }
+}
+
+/// Factors of what chance found and of what was sampled towards, so that both fill the solid angle of all rays that
+/// met something: what is sampled keeps its share, as in receivers' rows.
+fn scales(
+    counted: u32,
+    towards_emitters: u32,
+    rays: u32,
+    towards: &[(u32, [f64; COEFFICIENTS])],
+) -> [f64; 2] {
+    let whole = 4.0 * f64::from(basis(Vec3::Y)[0]) / f64::from(rays);
+    let (all, by_chance) = (whole * f64::from(counted + towards_emitters), whole * f64::from(counted));
+    let sampled: f64 = towards.iter().map(|(_, weights)| weights[0]).sum();
+    match all - sampled {
+        left if left > 0.0 && by_chance > 0.0 => [left / by_chance, 1.0],
+        _ if sampled > 0.0 => [0.0, (all / sampled).min(1.0)],
+        _ => [1.0, 1.0],
+    }
 }
 
 fn is_emitter(emitters: &Emitters, column: u32) -> bool {

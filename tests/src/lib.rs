@@ -25,4 +25,5 @@ pub mod lit;
 pub mod picture;
 pub mod room;
 pub mod surfaces;
+pub mod systems;
 pub mod table;

@@ -37,9 +37,9 @@ impl Renderer {
             self.steering.put_out();
             self.spaces.forget_bounced(encoder);
         }
-        let gain = self.sources.cavity_gain(self.settings.wait);
+        let (gain, choice) = (self.sources.cavity_gain(), self.sources.choice());
         // Where there are no patches nothing is measured, and nothing is to be solved.
-        let products = if self.spaces.patch_count == 0 { 0 } else { self.steering.products(gain) };
+        let products = if self.spaces.patch_count == 0 { 0 } else { self.steering.products(gain, &choice) };
         let tag = (self.steering.version(), self.sources.unit());
         dispatches += self.bounce.run(encoder, timer, &self.coarse, products, tag);
         let probes_read = self.instances.any_moving() || view.shows_probes();
