@@ -27,6 +27,7 @@ pub mod chain;
 pub mod compress;
 pub mod form_factors;
 pub mod progress;
+pub mod reference;
 pub mod report;
 
 use std::path::Path;

@@ -21,6 +21,8 @@ pub fn shared() -> Option<PathBuf> {
 }
 
 pub mod enclosure;
+pub mod closed_forms;
+pub mod lit;
 pub mod picture;
 pub mod repeats;
 pub mod room;
@@ -29,3 +31,4 @@ pub mod solution;
 pub mod solved;
 pub mod surfaces;
 pub mod systems;
+pub mod table;
