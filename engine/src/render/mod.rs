@@ -46,6 +46,7 @@ pub mod unit;
 pub mod view;
 
 use crate::gpu::GpuError;
+pub use account::Solved;
 pub use direct::PatchShadows;
 pub use frame::{Drawn, Now, Renderer, Settings};
 pub use view::{Eye, View};
