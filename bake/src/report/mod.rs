@@ -59,7 +59,8 @@ fn run(
 ) -> Result<Report, BakeError> {
     let budget = Budget::new(settings.budget);
     let Solvable { opened, transport } = baked(project, scene, settings, &budget, watcher)?;
-    let (played, unplayed) = player::play(project, &opened.name, &budget.part(FOR_PLAYER), watcher)?;
+    let (played, unplayed) =
+        player::play(project, &opened.name, &transport, &budget.part(FOR_PLAYER), watcher)?;
     let setup = Setup { opened, transport, played };
     let for_page = (budget.left() * FOR_PAGE).max(FOR_PAGE_AT_LEAST);
     let measured = experiments::all(&setup, &budget.but(for_page), watcher)?;

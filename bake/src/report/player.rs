@@ -1,24 +1,51 @@
 //! What only the player can say: the scene's picture, milliseconds on the GPU, and the light that the GPU solved.
 //!
-//! It is run from beside this program's own executable, without a window; where it is missing or cannot draw, the
-//! report goes on without.
+//! It is run from beside this program's own executable, without a window, once for the picture, once with all motion,
+//! and twice for every number of products: a single frame from darkness for the light, many for the time. Where it is
+//! missing or cannot draw, the report says so and goes on.
+
+mod child;
+mod light;
 
 use std::path::Path;
 
-use glam::DVec3;
+use engine::transport::Transport;
+use serde::Deserialize;
 
+pub use self::light::GpuLight;
+
+use self::child::{Child, Ended};
 use super::Budget;
 use crate::{BakeError, Watcher};
+
+/// Of the picture; it is small enough for the page and for a GPU that is none.
+const SIZE: &str = "960x540";
+/// Where the picture does not matter.
+const SMALL: &str = "16x16";
+/// Until reflections have settled.
+const STILL_FRAMES: &str = "40";
+/// A second with all motion.
+const LIVE_FRAMES: &str = "60";
+const TIMED_FRAMES: usize = 24;
+/// The widest spread first: what the time does not allow for is missing between them.
+const PRODUCTS: [u32; 9] = [1, 16, 4, 8, 2, 3, 6, 12, 24];
+
+/// Of the time that is left, what each of the first two runs may take.
+const FOR_PICTURE: f64 = 0.6;
+const FOR_LIVE: f64 = 0.5;
 
 /// What the player showed and said.
 #[derive(Clone, Debug, Default)]
 pub struct Played {
-    /// As it draws the scene, PNG.
+    /// As it draws the scene at its start, PNG.
     pub picture: Option<Vec<u8>>,
     pub adapter: String,
     /// Whether its passes were timed by the GPU; else these are the times to record them on the CPU.
     pub on_gpu: bool,
+    /// While everything moves that the scene moves.
     pub passes: Vec<PassTime>,
+    /// From picture to picture by the clock, waiting for the GPU.
+    pub frame: Option<PassTime>,
     /// The error of B is at most this share of the largest B, as the last frame said.
     pub bound: Option<f64>,
     /// Solved, the scene as it is at the start.
@@ -35,36 +62,176 @@ pub struct PassTime {
     pub p99: f64,
 }
 
-/// Light as it lies on the GPU [W/m2].
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct GpuLight {
-    /// E by patch: emitted, and reflected once from punctual lights.
-    pub exitance: Vec<DVec3>,
-    /// B by patch, then the sky patches' pi times radiance.
-    pub radiosity: Vec<DVec3>,
-    /// By receiver, without what comes straight from punctual lights.
-    pub irradiance: Vec<DVec3>,
-    /// Nine a probe [W/m2/sr]; empty where nothing reads probes.
-    pub probes: Vec<DVec3>,
-}
-
 /// So many products in one frame, from darkness.
 #[derive(Clone, Debug, Default)]
 pub struct Swept {
     pub products: u32,
-    /// Of the bounce in a frame of so many products: median, least and largest of `frames` [ms].
+    /// Of the bounce in a frame of so many products: the median of `frames`, and from it to the 99th percentile [ms].
     pub milliseconds: f64,
     pub range: [f64; 2],
     pub frames: usize,
     pub light: GpuLight,
 }
 
-/// What the player said, or why it said nothing.
+/// What the player said, and what it did not say and why.
 pub fn play(
-    _project: &Path,
-    _scene: &str,
-    _budget: &Budget,
-    _watcher: &dyn Watcher,
+    project: &Path,
+    scene: &str,
+    transport: &Transport,
+    budget: &Budget,
+    watcher: &dyn Watcher,
 ) -> Result<(Option<Played>, Vec<String>), BakeError> {
-    Ok((None, Vec::new()))
+    watcher.stage("player", 2 + PRODUCTS.len() as u64);
+    let child = match Child::new(project, scene) {
+        Ok(child) => child,
+        Err(why) => return Ok((None, vec![format!("no picture and no times on the GPU: {why}")])),
+    };
+    let run = Run { child, transport, watcher };
+    let mut notes = Vec::new();
+    let mut played = match run.still(&budget.part(FOR_PICTURE))? {
+        Ok(played) => played,
+        Err(why) => return Ok((None, vec![format!("no picture and no times on the GPU: {why}")])),
+    };
+    match run.live(&budget.part(FOR_LIVE))? {
+        Ok(said) => said.times(&mut played),
+        Err(why) => notes.push(format!("times of passes are those of a still scene: {why}")),
+    }
+    for products in PRODUCTS {
+        match run.swept(products, budget)? {
+            Ok(swept) => played.sweep.push(swept),
+            Err(why) => {
+                notes.push(format!("{products} products a frame were not measured on the GPU: {why}"));
+                break;
+            }
+        }
+    }
+    played.sweep.sort_by_key(|swept| swept.products);
+    Ok((Some(played), notes))
+}
+
+struct Run<'a> {
+    child: Child<'a>,
+    transport: &'a Transport,
+    watcher: &'a dyn Watcher,
+}
+
+/// Done, or why not; the outer error ends the report.
+type Said<T> = Result<Result<T, String>, BakeError>;
+
+impl Run<'_> {
+    /// The scene as it is at the start, until nothing changes any more.
+    fn still(&self, budget: &Budget) -> Said<Played> {
+        let args = ["--frames", STILL_FRAMES, "--every", STILL_FRAMES, "--fixed-dt", "0", "--size", SIZE];
+        let outputs = ["--out", "pictures", "--stats", "stats.json", "--light", "light.csv"];
+        Ok(self.run(&[&args[..], &outputs[..]].concat(), budget)?.and_then(|()| {
+            let mut played = Played::default();
+            let said: Statistics = self.statistics()?;
+            played.bound = said.bound.iter().rev().copied().flatten().next();
+            said.times(&mut played);
+            let last =
+                self.child.file("pictures/").join(format!("frame_{:05}.png", frames(STILL_FRAMES) - 1));
+            played.picture = Some(std::fs::read(last).map_err(|error| format!("no picture: {error}"))?);
+            played.light = Some(self.light()?);
+            Ok(played)
+        }))
+    }
+
+    /// A second in which everything moves that does.
+    fn live(&self, budget: &Budget) -> Said<Statistics> {
+        let args =
+            ["--frames", LIVE_FRAMES, "--fixed-dt", "0.016666667", "--size", SIZE, "--stats", "stats.json"];
+        Ok(self.run(&args, budget)?.and_then(|()| self.statistics()))
+    }
+
+    fn swept(&self, products: u32, budget: &Budget) -> Said<Swept> {
+        let (count, frames) = (products.to_string(), TIMED_FRAMES.to_string());
+        let args = ["--products", &count, "--size", SMALL, "--fixed-dt", "0"];
+        let once = ["--frames", "1", "--light", "light.csv"];
+        let light = match self.run(&[&args[..], &once[..]].concat(), budget)?.and_then(|()| self.light()) {
+            Ok(light) => light,
+            Err(why) => return Ok(Err(why)),
+        };
+        let often = ["--frames", &frames, "--stats", "stats.json"];
+        let said = self.run(&[&args[..], &often[..]].concat(), budget)?.and_then(|()| self.statistics());
+        Ok(said.and_then(|said| {
+            let bounce = said.passes.get("bounce").ok_or("nothing bounces in this scene")?;
+            let (milliseconds, range) = (bounce.median_ms, [bounce.median_ms, bounce.p99_ms]);
+            Ok(Swept { products, milliseconds, range, frames: TIMED_FRAMES, light })
+        }))
+    }
+
+    fn run(&self, args: &[&str], budget: &Budget) -> Said<()> {
+        let ended = self.child.run(args, budget, self.watcher)?;
+        self.watcher.advance(1, 0);
+        Ok(match ended {
+            Ended::Well => Ok(()),
+            Ended::Badly(said) => Err(format!("the player said: {said}")),
+            Ended::Stopped(seconds) => {
+                Err(format!("the budget had {seconds:.0} s for it, which was too short"))
+            }
+        })
+    }
+
+    fn statistics(&self) -> Result<Statistics, String> {
+        let text = std::fs::read(self.child.file("stats.json")).map_err(|error| error.to_string())?;
+        serde_json::from_slice(&text).map_err(|error| format!("its statistics are not understood: {error}"))
+    }
+
+    fn light(&self) -> Result<GpuLight, String> {
+        let text = std::fs::read(self.child.file("light.csv")).map_err(|error| error.to_string())?;
+        let light = GpuLight::read(&text).map_err(|error| format!("its light is not understood: {error}"))?;
+        light.fits(self.transport).then_some(light).ok_or_else(|| "its light is of another bake".to_owned())
+    }
+}
+
+fn frames(text: &str) -> u32 {
+    text.parse().unwrap_or(1)
+}
+
+/// What is read of `--stats`.
+#[derive(Debug, Deserialize)]
+struct Statistics {
+    adapter: String,
+    timing: String,
+    passes: std::collections::BTreeMap<String, Spread>,
+    frame: Option<Spread>,
+    bound: Vec<Option<f64>>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+struct Spread {
+    median_ms: f64,
+    p99_ms: f64,
+}
+
+impl Statistics {
+    fn times(self, played: &mut Played) {
+        let time = |(name, spread): (String, Spread)| PassTime {
+            name,
+            median: spread.median_ms,
+            p99: spread.p99_ms,
+        };
+        played.adapter = self.adapter;
+        played.on_gpu = self.timing == "gpu";
+        played.frame = self.frame.map(|spread| time(("frame".to_owned(), spread)));
+        played.passes = self.passes.into_iter().map(time).collect();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn statistics_are_read_whatever_else_they_hold() {
+        let text = r#"{ "adapter": "A", "timing": "gpu", "frames": 2, "left_out": [],
+            "passes": { "bounce": { "median_ms": 0.5, "p99_ms": 0.7 } },
+            "frame": null, "bound": [null, 0.25] }"#;
+        let said: Statistics = serde_json::from_str(text).unwrap();
+        assert_eq!(said.bound, [None, Some(0.25)]);
+        let mut played = Played::default();
+        said.times(&mut played);
+        assert_eq!(played.passes, [PassTime { name: "bounce".to_owned(), median: 0.5, p99: 0.7 }]);
+        assert!(played.on_gpu && played.frame.is_none());
+    }
 }

@@ -47,6 +47,7 @@ pub mod view;
 
 use crate::gpu::GpuError;
 pub use crate::transport::steering;
+pub use account::Solved;
 pub use direct::PatchShadows;
 pub use frame::{Drawn, Now, Renderer, Settings};
 pub use view::{Eye, View};

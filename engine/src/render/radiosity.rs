@@ -39,7 +39,8 @@ impl Renderer {
         }
         let gain = self.sources.cavity_gain(self.settings.wait);
         // Where there are no patches nothing is measured, and nothing is to be solved.
-        let products = if self.spaces.patch_count == 0 { 0 } else { self.steering.products(gain) };
+        let asked = self.settings.products.unwrap_or_else(|| self.steering.products(gain));
+        let products = if self.spaces.patch_count == 0 { 0 } else { asked };
         let tag = (self.steering.version(), self.sources.unit());
         dispatches += self.bounce.run(encoder, timer, &self.coarse, products, tag);
         let probes_read = self.instances.any_moving() || view.shows_probes();

@@ -8,7 +8,6 @@
 
 use std::time::Instant;
 
-use engine::transport::Rows;
 use engine::transport::solve::{Channel, Coarse, Method, Stop, System, TwoLevel, solve};
 use engine::transport::steering::{Measured, Steering};
 use glam::Vec3;
@@ -234,14 +233,13 @@ fn of_runtime(system: &System, coarse: &Coarse, gain: f64, played: &[&Played]) -
         let dark = vec![0.0; played.e[0].len()];
         let mut b = splat(if played.begins_solved { &played.exact[0] } else { &dark });
         let mut steering = Steering::default();
-        let mut late: Vec<Measured> = Vec::new();
+        // By frame, what its last product measured; it is known two frames later.
+        let mut measured: Vec<Option<Measured>> = Vec::new();
         for (t, e) in played.e.iter().enumerate() {
             if t == 0 || played.e[t - 1] != *e {
                 steering.change();
             }
-            if late.len() >= 2 {
-                steering.receive(late.remove(0));
-            }
+            t.checked_sub(2).and_then(|t| measured[t]).into_iter().for_each(|known| steering.receive(known));
             let wanted = if t == 0 && played.begins_solved { 2 } else { steering.products(gain as f32) };
             let e = splat(e);
             let started = Instant::now();
@@ -249,11 +247,9 @@ fn of_runtime(system: &System, coarse: &Coarse, gain: f64, played: &[&Played]) -
             (0..wanted).for_each(|_| residual = iteration.step(&e, &mut b));
             times.push(1e3 * started.elapsed().as_secs_f64());
             spent += wanted;
-            if wanted > 0 {
-                let most = |values: &[Vec3]| values.iter().fold(0.0_f32, |max, v| max.max(v.x));
-                let version = steering.version();
-                late.push(Measured { version, residual, largest: most(&b), exitance: most(&e) });
-            }
+            let most = |values: &[Vec3]| values.iter().fold(0.0_f32, |max, v| max.max(v.x));
+            let now = Measured { version: steering.version(), residual, largest: most(&b), exitance: most(&e) };
+            measured.push((wanted > 0).then_some(now));
             worst.see(played, t, b.iter().map(|b| f64::from(b.x)));
         }
     }
@@ -261,9 +257,4 @@ fn of_runtime(system: &System, coarse: &Coarse, gain: f64, played: &[&Played]) -
     let mean = f64::from(spent) / frames as f64;
     let point = worst.point(format!("{mean:.1} products a frame"), &times);
     Point { preset: Some("runtime".to_owned()), ..point }
-}
-
-/// Bytes of rows, to be told beside.
-pub fn entries(rows: &Rows) -> usize {
-    rows.entries()
 }

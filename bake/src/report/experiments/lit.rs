@@ -15,14 +15,27 @@ use engine::transport::{Rows, Sample, Transport, sky};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use crate::directions::{Sobol, hash, unit};
+use crate::directions::{Sobol, cosine_direction, frame, hash, hash_of, unit};
+use crate::emitter::Emitters;
 use crate::holes::AlphaHoles;
 use crate::layout::{Places, RayScene};
+use crate::pipeline::sampled;
 use crate::query::{Place, nearest_face, ray_scene, receivers_at};
-use crate::{Opened, Point};
+use crate::rays::{Seen, Tracer};
+use crate::{Opened, Point, Silent};
 
+/// Shadow rays towards each patch of an emitter, where rays are many.
+const EMITTER_RAYS: u32 = 64;
 /// Relative residual to which systems are solved.
 pub const EXACT: f64 = 1e-10;
+
+/// Rays of one's own.
+pub struct Look {
+    sobol: Sobol,
+    rays: u32,
+    seed: u64,
+    emitters: Emitters,
+}
 
 /// A transport with what the scene's materials and lights say of it.
 pub struct Lit<'a> {
@@ -106,11 +119,20 @@ impl<'a> Lit<'a> {
 
     /// E, the sky's first bounce in it.
     pub fn e(&self, rows: &Rows, direct: &[Vec3]) -> Vec<DVec3> {
-        let from_sky = gather(rows, &self.sky);
+        self.e_of(&gather(rows, &self.sky), direct)
+    }
+
+    /// The same from irradiance by patch, of the sky and of punctual lights.
+    pub fn e_of(&self, from_sky: &[DVec3], direct: &[Vec3]) -> Vec<DVec3> {
         let e = |i: usize| {
             self.exitance[i] + self.albedo[i].as_dvec3() * (direct[i].as_dvec3() + from_sky[i])
         };
         (0..direct.len()).map(e).collect()
+    }
+
+    /// Irradiance of patches straight from the sky, by the transport's own rows.
+    pub fn from_sky(&self) -> Vec<DVec3> {
+        gather(&self.transport.patch_from_patch, &self.sky)
     }
 
     pub fn solve(&self, rows: &Rows, e: &[DVec3]) -> Vec<DVec3> {
@@ -142,6 +164,47 @@ impl<'a> Lit<'a> {
     /// What the radiosity shows at places.
     pub fn shown(&self, b: &[DVec3], places: &[Option<Place>]) -> Vec<f64> {
         self.blended(&self.transport.irradiance_of_receivers(&self.columns(b)), places)
+    }
+
+    /// Receivers that places read, each once, ascending.
+    pub fn receivers(&self, places: &[Option<Place>]) -> Vec<usize> {
+        let surface = &self.transport.surface;
+        let of = |place: &Place| receivers_at(surface, place.triangle, place.back, place.barycentric);
+        let mut read: Vec<usize> = places.iter().flatten().flat_map(of).map(|(receiver, _)| receiver).collect();
+        read.sort_unstable();
+        read.dedup();
+        read
+    }
+
+    /// Irradiance by rays of its own at a place on a surface from the radiosity in all columns: emitters that are
+    /// sampled towards by their form factor and shadow rays, all else by chance, and no seed that the bake has.
+    pub fn gathered(&self, look: &Look, position: Vec3, normal: Vec3, b: &[DVec3]) -> DVec3 {
+        let holes = AlphaHoles::new(&self.transport.surface, &self.opened.scene, &self.opened.assets);
+        let tracer = Tracer { scene: &self.rays, bvh: &self.bvh, holes: &holes, watcher: &Silent };
+        let key = hash_of(position.to_array().map(|x| u64::from(x.to_bits()))) ^ look.seed;
+        let (x, y) = frame(normal);
+        let arriving = |ray: u32| {
+            let [u, v, ..] = look.sobol.point(ray, key);
+            let local = cosine_direction(u, v);
+            let direction = x * local.x + y * local.y + normal * local.z;
+            match tracer.column(position, normal, direction, unit(hash(key ^ u64::from(ray)) as u32)) {
+                Seen::Column(column) if look.emitters.is_emitter.get(column as usize) == Some(&true) => {
+                    b[column as usize] - self.exitance[column as usize]
+                }
+                Seen::Column(column) => b[column as usize],
+                _ => DVec3::ZERO,
+            }
+        };
+        let by_chance = (0..look.rays).map(arriving).sum::<DVec3>() / f64::from(look.rays);
+        let towards = look.emitters.row(&tracer, position, normal, key).into_iter();
+        by_chance + towards.map(|(patch, share)| self.exitance[patch as usize] * share).sum::<DVec3>()
+    }
+
+    /// What such rays need.
+    pub fn look(&self, rays: u32, seed: u64) -> Look {
+        let marked = sampled(&self.opened.scene, self.transport);
+        let emitters = Emitters::choose(&self.rays, &marked).with_rays(EMITTER_RAYS);
+        Look { sobol: Sobol::new(rays), rays, seed, emitters }
     }
 
     /// Irradiance of receivers as their surface blends it.
