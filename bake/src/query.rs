@@ -337,7 +337,7 @@ pub fn ray_scene(transport: &Transport) -> RayScene {
 
 /// Weights of the second and third corner at the point of a triangle that is nearest (by the regions of its plane
 /// about corners, sides and inside; Ericson 2005, 5.1.5).
-fn nearest(p: Vec3, &[a, b, c]: &[Vec3; 3]) -> [f32; 2] {
+pub fn nearest(p: Vec3, &[a, b, c]: &[Vec3; 3]) -> [f32; 2] {
     let (ab, ac) = (b - a, c - a);
     let (d1, d2) = (ab.dot(p - a), ac.dot(p - a));
     let (d3, d4) = (ab.dot(p - b), ac.dot(p - b));

@@ -23,3 +23,4 @@ pub fn shared() -> Option<PathBuf> {
 pub mod picture;
 pub mod room;
 pub mod surfaces;
+pub mod table;
