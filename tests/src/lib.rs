@@ -24,3 +24,4 @@ pub mod picture;
 pub mod room;
 pub mod surfaces;
 pub mod table;
+pub mod systems;
