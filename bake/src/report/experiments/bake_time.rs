@@ -8,6 +8,7 @@ use engine::scene::file::Quality;
 
 use super::bakes::{Bakes, Made, Recipe, metres};
 use super::lit::weights;
+use super::matrix::Exactly;
 use super::truth::Truth;
 use crate::report::Budget;
 use crate::report::model::{Axis, Diagram, Error, Floor, Norm, Point, Series};
@@ -43,10 +44,12 @@ pub fn bake_all(
     bakes: &mut Bakes,
     presets: &[Preset],
     shipped: Recipe,
+    most_rays: u32,
     budget: &Budget,
     watcher: &dyn Watcher,
 ) -> Result<(), BakeError> {
-    let recipes = wanted(presets, shipped);
+    let mut recipes = wanted(presets, shipped);
+    recipes.retain(|recipe| recipe.rays <= most_rays);
     watcher.stage("bakes", recipes.len() as u64);
     let mut left_out = Vec::new();
     for recipe in recipes {
@@ -100,13 +103,29 @@ fn work(recipe: &Recipe) -> f64 {
     f64::from(recipe.rays) / (recipe.length * recipe.length)
 }
 
+/// What the bakes say: all of it, form factors, patches.
+pub fn diagrams(
+    bakes: &Bakes,
+    presets: &[Preset],
+    shipped: Recipe,
+    exactly: Option<&Exactly>,
+    truth: &Truth,
+) -> Vec<Diagram> {
+    let of_rays = exactly.map(|exactly| form_factors(bakes, presets, shipped, exactly));
+    let mut diagrams = vec![total(bakes, presets, truth), patches(bakes, presets, truth)];
+    diagrams.extend(of_rays);
+    diagrams.iter_mut().for_each(|diagram| diagram.series.retain(|series| !series.points.is_empty()));
+    diagrams
+}
+
 /// All of the error, against the path tracer.
-pub fn total(bakes: &Bakes, presets: &[Preset], truth: &Truth) -> Diagram {
+fn total(bakes: &Bakes, presets: &[Preset], truth: &Truth) -> Diagram {
     let mut lengths: Vec<f64> = bakes.made.iter().map(|made| made.recipe.length).collect();
     lengths.sort_by(|a, b| b.total_cmp(a));
     lengths.dedup();
     let line = |&length: &f64| {
-        let of_length = sorted(bakes, |made| made.recipe.length == length, |made| f64::from(made.recipe.rays));
+        let of_length =
+            sorted(bakes, |made| made.recipe.length == length, |made| f64::from(made.recipe.rays));
         let patches = of_length.first().map_or(0, |made| made.patches);
         let points = of_length.into_iter().map(|made| point(made, presets, &truth.field));
         Series { name: format!("{patches} patches of {}", metres(length)), points: points.collect() }
@@ -126,29 +145,44 @@ pub fn total(bakes: &Bakes, presets: &[Preset], truth: &Truth) -> Diagram {
     }
 }
 
-/// Bakes of the shipped length against the same patches with many more rays. `floor`: that reference's own error.
-pub fn form_factors(bakes: &Bakes, presets: &[Preset], shipped: Recipe, many: &[f64], floor: f64) -> Diagram {
-    let of_length = sorted(bakes, |made| made.recipe.length == shipped.length, |made| f64::from(made.recipe.rays));
-    let points = of_length.into_iter().map(|made| point(made, presets, many));
+/// Bakes of the shipped length against the same patches with many more rays.
+fn form_factors(bakes: &Bakes, presets: &[Preset], shipped: Recipe, exactly: &Exactly) -> Diagram {
+    let made = || {
+        sorted(bakes, |made| made.recipe.length == shipped.length, |made| f64::from(made.recipe.rays))
+            .into_iter()
+    };
+    let shown = made().map(|made| point(made, presets, &exactly.at_receivers));
+    let factors = made().filter_map(|made| {
+        let error = made.factors?;
+        Some(Point { error, ..point(made, presets, &exactly.at_receivers) })
+    });
+    let floor = |name: &str, y: f64| Floor { name: format!("matrix reference, {name}"), y };
     Diagram {
         id: "bake_rays".to_owned(),
         title: "Bake time and the error of form factors".to_owned(),
         about: format!(
             "What do more rays bring? Clean bakes with patches of {}, against the matrix reference on the same patches \
-             (its rays are others, in number and kind); both solved exactly and seen at the same receivers.",
-            metres(shipped.length)
+             with {} rays a row, all of them others; both solved exactly and seen at the same receivers. Form factors \
+             themselves: norm of the difference of the matrices over the norm (Frobenius).",
+            metres(shipped.length),
+            exactly.rays
         ),
         x: seconds(),
-        y: irradiance(),
+        y: Axis { label: "error, rms over mean".to_owned(), unit: String::new() },
         norm: Norm::Rms,
-        series: vec![Series { name: "rays of a row".to_owned(), points: points.collect() }],
-        floors: vec![Floor { name: "error of the matrix reference".to_owned(), y: floor }],
+        series: vec![
+            Series { name: "irradiance".to_owned(), points: shown.collect() },
+            Series { name: "form factors themselves".to_owned(), points: factors.collect() },
+        ],
+        floors: vec![
+            floor("irradiance", exactly.standard_error),
+            floor("form factors themselves", exactly.floor_of_factors()),
+        ],
     }
 }
 
-/// Patch lengths at the most rays that three lengths at least were baked with. `form_factors`: what error those rays
-/// still have.
-pub fn patches(bakes: &Bakes, presets: &[Preset], truth: &Truth) -> Diagram {
+/// Patch lengths at the most rays that three lengths at least were baked with.
+fn patches(bakes: &Bakes, presets: &[Preset], truth: &Truth) -> Diagram {
     let with = |rays: u32| sorted(bakes, |made| made.recipe.rays == rays, |made| -made.recipe.length);
     let rays = RAYS.into_iter().rev().find(|&rays| with(rays).len() >= 3).unwrap_or(RAYS[0]);
     let points = with(rays).into_iter().map(|made| Point {
@@ -170,11 +204,7 @@ pub fn patches(bakes: &Bakes, presets: &[Preset], truth: &Truth) -> Diagram {
     }
 }
 
-fn sorted<'a>(
-    bakes: &'a Bakes,
-    which: impl Fn(&Made) -> bool,
-    by: impl Fn(&Made) -> f64,
-) -> Vec<&'a Made> {
+fn sorted<'a>(bakes: &'a Bakes, which: impl Fn(&Made) -> bool, by: impl Fn(&Made) -> f64) -> Vec<&'a Made> {
     let mut made: Vec<&Made> = bakes.made.iter().filter(|made| which(made)).collect();
     made.sort_by(|a, b| by(a).total_cmp(&by(b)));
     made

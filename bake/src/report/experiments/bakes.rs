@@ -8,10 +8,12 @@ use engine::transport::key::BakeWith;
 use engine::transport::{Certificate, Transport, materials};
 
 use super::lit::Lit;
+use super::matrix::Exactly;
 use crate::pipeline::{Caches, make};
 use crate::report::Budget;
 use crate::report::budget::Within;
-use crate::{BakeError, Opened, Point, Silent, Watcher, certify};
+use crate::report::model::Error;
+use crate::{BakeError, Opened, Point, Watcher, certify};
 
 /// How one bake is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,12 +32,16 @@ pub struct Made {
     pub seconds: Vec<f64>,
     /// Irradiance at the evaluation points.
     pub shown: Vec<f64>,
+    /// Of the patches' form factors, where their matrix reference is known.
+    pub factors: Option<Error>,
 }
 
 /// What was baked so far.
 pub struct Bakes<'a> {
     pub opened: &'a Opened,
     pub points: &'a [Point],
+    /// The matrix reference and the patch length that it is of.
+    pub exactly: Option<(f64, &'a Exactly)>,
     pub made: Vec<Made>,
     pub notes: Vec<String>,
 }
@@ -60,9 +66,7 @@ impl Recipe {
 impl Bakes<'_> {
     /// Seconds, at most: scaled by rays from what was measured; nothing is known before the first.
     pub fn expected(&self, recipe: Recipe) -> f64 {
-        let scaled = |made: &Made| {
-            made.seconds[0] * (recipe.at_least() / made.recipe.at_least()).max(0.05)
-        };
+        let scaled = |made: &Made| made.seconds[0] * (recipe.at_least() / made.recipe.at_least()).max(0.05);
         self.made.iter().map(scaled).reduce(f64::min).unwrap_or(0.0)
     }
 
@@ -86,7 +90,8 @@ impl Bakes<'_> {
         let within = Within { watcher: &Quiet(watcher), budget: *budget };
         let (transport, seconds) = match bake(self.opened, recipe, &within) {
             Err(BakeError::Cancelled) if !watcher.cancelled() => {
-                self.notes.push(format!("the bake with {recipe} was begun and not ended: the budget was spent"));
+                self.notes
+                    .push(format!("the bake with {recipe} was begun and not ended: the budget was spent"));
                 return Ok(false);
             }
             baked => baked?,
@@ -101,7 +106,15 @@ impl Bakes<'_> {
     fn look(&mut self, recipe: Recipe, seconds: f64, transport: &Transport) {
         let lit = Lit::new(self.opened, transport);
         let shown = lit.shown(&lit.solved(), &lit.places(self.points));
-        self.made.push(Made { recipe, patches: transport.patches.len(), seconds: vec![seconds], shown });
+        let exactly = self.exactly.filter(|(length, _)| *length == recipe.length);
+        let factors = exactly.map(|(_, exactly)| exactly.error_of_factors(&transport.patch_from_patch));
+        self.made.push(Made {
+            recipe,
+            patches: transport.patches.len(),
+            seconds: vec![seconds],
+            shown,
+            factors,
+        });
     }
 }
 

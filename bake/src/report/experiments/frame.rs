@@ -6,7 +6,7 @@
 
 use std::time::Instant;
 
-use engine::transport::solve::{Channel, Coarse, Method, Stop, TwoLevel, solve};
+use engine::transport::solve::{Channel, Coarse, Method, Stop, TwoLevel, cavity_gain, solve};
 use engine::transport::steering::{FIRST, Measured, TOLERANCE};
 use glam::{DVec3, Vec3};
 
@@ -221,6 +221,12 @@ fn of_gpu(problem: &Problem, played: &Played) -> Option<Series> {
     let points: Vec<Point> = played.sweep.iter().filter_map(point).collect();
     let timing = if played.on_gpu { "times of the GPU" } else { "times of recording" };
     Some(Series { name: format!("GPU, {}, {timing}", played.adapter), points })
+}
+
+/// w, the largest of all channels.
+pub fn largest_gain(lit: &Lit) -> f64 {
+    let w = cavity_gain(&lit.system(&lit.transport.patch_from_patch));
+    w.iter().map(|w| w.max_element()).fold(1.0, f64::max)
 }
 
 pub fn products(count: u32) -> String {

@@ -248,7 +248,8 @@ fn of_runtime(system: &System, coarse: &Coarse, gain: f64, played: &[&Played]) -
             times.push(1e3 * started.elapsed().as_secs_f64());
             spent += wanted;
             let most = |values: &[Vec3]| values.iter().fold(0.0_f32, |max, v| max.max(v.x));
-            let now = Measured { version: steering.version(), residual, largest: most(&b), exitance: most(&e) };
+            let now =
+                Measured { version: steering.version(), residual, largest: most(&b), exitance: most(&e) };
             measured.push((wanted > 0).then_some(now));
             worst.see(played, t, b.iter().map(|b| f64::from(b.x)));
         }

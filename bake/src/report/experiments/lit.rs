@@ -10,6 +10,7 @@ use engine::scene::world_from_local;
 use engine::transport::bvh::Bvh;
 use engine::transport::direct::{PlacedLight, irradiance_of_patches, placed_lights};
 use engine::transport::materials;
+use engine::transport::sh::COEFFICIENTS;
 use engine::transport::solve::{System, exact, gather, limit_gain};
 use engine::transport::{Rows, Sample, Transport, sky};
 use glam::{DVec3, Vec3};
@@ -20,6 +21,7 @@ use crate::emitter::Emitters;
 use crate::holes::AlphaHoles;
 use crate::layout::{Places, RayScene};
 use crate::pipeline::sampled;
+use crate::probe::probe_row;
 use crate::query::{Place, nearest_face, ray_scene, receivers_at};
 use crate::rays::{Seen, Tracer};
 use crate::{Opened, Point, Silent};
@@ -114,7 +116,13 @@ impl<'a> Lit<'a> {
                 Sample { position, patch: i as u32, normal, padding: 0 }
             }));
         }
-        Transport { origin: from.origin, surface: from.surface.clone(), patches, samples, ..Transport::default() }
+        Transport {
+            origin: from.origin,
+            surface: from.surface.clone(),
+            patches,
+            samples,
+            ..Transport::default()
+        }
     }
 
     /// E, the sky's first bounce in it.
@@ -124,9 +132,8 @@ impl<'a> Lit<'a> {
 
     /// The same from irradiance by patch, of the sky and of punctual lights.
     pub fn e_of(&self, from_sky: &[DVec3], direct: &[Vec3]) -> Vec<DVec3> {
-        let e = |i: usize| {
-            self.exitance[i] + self.albedo[i].as_dvec3() * (direct[i].as_dvec3() + from_sky[i])
-        };
+        let e =
+            |i: usize| self.exitance[i] + self.albedo[i].as_dvec3() * (direct[i].as_dvec3() + from_sky[i]);
         (0..direct.len()).map(e).collect()
     }
 
@@ -170,7 +177,8 @@ impl<'a> Lit<'a> {
     pub fn receivers(&self, places: &[Option<Place>]) -> Vec<usize> {
         let surface = &self.transport.surface;
         let of = |place: &Place| receivers_at(surface, place.triangle, place.back, place.barycentric);
-        let mut read: Vec<usize> = places.iter().flatten().flat_map(of).map(|(receiver, _)| receiver).collect();
+        let mut read: Vec<usize> =
+            places.iter().flatten().flat_map(of).map(|(receiver, _)| receiver).collect();
         read.sort_unstable();
         read.dedup();
         read
@@ -198,6 +206,15 @@ impl<'a> Lit<'a> {
         let by_chance = (0..look.rays).map(arriving).sum::<DVec3>() / f64::from(look.rays);
         let towards = look.emitters.row(&tracer, position, normal, key).into_iter();
         by_chance + towards.map(|(patch, share)| self.exitance[patch as usize] * share).sum::<DVec3>()
+    }
+
+    /// SH coefficients of the light at a place in the air, by rays of its own.
+    pub fn probe(&self, look: &Look, position: Vec3, b: &[DVec3]) -> [DVec3; COEFFICIENTS] {
+        let holes = AlphaHoles::new(&self.transport.surface, &self.opened.scene, &self.opened.assets);
+        let tracer = Tracer { scene: &self.rays, bvh: &self.bvh, holes: &holes, watcher: &Silent };
+        let key = hash_of(position.to_array().map(|x| u64::from(x.to_bits()))) ^ look.seed;
+        let row = probe_row(&tracer, &look.emitters, position, &look.sobol, look.rays, key);
+        std::array::from_fn(|k| row.entries.iter().map(|(column, w)| b[*column as usize] * w[k]).sum())
     }
 
     /// What such rays need.

@@ -14,8 +14,6 @@ use crate::report::model::Floor;
 use crate::{BakeError, Opened, Point, Watcher};
 
 pub const SEEDS: [u64; 2] = [0x7a11_0001, 0x7a11_0002];
-/// Standard error below which more paths say nothing of any bake.
-const FINE_ENOUGH: f64 = 1e-4;
 
 /// Irradiance at the evaluation points without what comes straight from punctual lights [W/m2].
 pub struct Truth {
@@ -36,10 +34,11 @@ impl Truth {
     }
 }
 
-/// Traces until the budget is spent, or nothing is to be gained.
+/// Traces until the standard error, rms over the mean, is `fine_enough`, or the budget is spent.
 pub fn trace(
     opened: &Opened,
     points: &[Point],
+    fine_enough: f64,
     budget: &Budget,
     watcher: &dyn Watcher,
 ) -> Result<Truth, BakeError> {
@@ -51,9 +50,10 @@ pub fn trace(
     let mut squares = 0.0;
     for (k, seed) in SEEDS.into_iter().enumerate() {
         let seconds = budget.left() / (2 - k) as f64;
-        let target = FINE_ENOUGH * std::f64::consts::SQRT_2;
+        let target = fine_enough * std::f64::consts::SQRT_2;
         let found = tracer.irradiance_until(points, target, seconds, seed, &Quiet(watcher))?;
-        let net = |(found, straight): (&Measured, &Measured)| (found.total() - straight.direct).max(DVec3::ZERO);
+        let net =
+            |(found, straight): (&Measured, &Measured)| (found.total() - straight.direct).max(DVec3::ZERO);
         halves[k] = field(found.iter().zip(&straight).map(net));
         squares += found.iter().map(|point| point.standard_error.length_squared()).sum::<f64>();
         watcher.advance(1, 0);
