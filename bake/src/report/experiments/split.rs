@@ -131,7 +131,7 @@ impl Chain<'_> {
         let link = |part, what, field| Link { part, what, field };
         vec![
             link(
-                "",
+                "GPU",
                 "the GPU's radiosity",
                 gpu.map(|gpu| show(&gpu.radiosity[..lit.transport.patches.len()])),
             ),
