@@ -6,6 +6,7 @@ use engine::transport::materials::{SurfacePoint, coverage, points_in_triangles};
 use engine::transport::{Surface, Transport};
 use glam::{Vec2, Vec4};
 
+use crate::directions::{hash_of, unit};
 use crate::layout::RayScene;
 use engine::transport::bvh::Holes;
 
@@ -49,8 +50,10 @@ impl<'a> AlphaHoles<'a> {
 }
 
 impl Holes for AlphaHoles<'_> {
+    /// Each layer draws for itself: two half-open ones let a quarter pass.
     fn passes(&self, triangle: u32, barycentric: [f32; 2], chance: f32) -> bool {
-        chance >= self.coverage(triangle, barycentric)
+        let own = hash_of([u64::from(chance.to_bits()), u64::from(triangle)]);
+        unit(own as u32) >= self.coverage(triangle, barycentric)
     }
 }
 

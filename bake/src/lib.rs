@@ -24,6 +24,7 @@ mod surface;
 
 pub mod chain;
 pub mod progress;
+pub mod reference;
 pub mod report;
 
 use std::path::Path;

@@ -1,10 +1,42 @@
 //! What is measured, one file an experiment.
+//!
+//! All of them look at the same points under the scene's own light, as it is at the start. Each gets a share of the time
+//! that is left when its turn comes; what is dear comes last and takes what there is, cheap points first. Seeds are
+//! fixed: errors repeat bit for bit where the same points were reached, times do not.
+
+mod advice;
+mod bake_time;
+mod bakes;
+mod bytes;
+mod frame;
+mod lag;
+mod lit;
+mod matrix;
+mod points;
+mod probes;
+mod quantise;
+mod raw;
+mod script;
+mod split;
+mod truth;
+
+#[cfg(test)]
+mod tests;
 
 use engine::transport::Transport;
+use glam::{DVec3, Vec3};
 
+use self::bakes::{Bakes, Quiet, Recipe};
+use self::frame::Problem;
+use self::lit::Lit;
+use self::matrix::{Exactly, exactly};
+use self::split::{Chain, MANY_SAMPLES};
+use self::truth::Truth;
 use super::Budget;
+use super::budget::Within;
 use super::model::{Advice, Diagram, Split};
-use super::player::Played;
+use super::player::{GpuLight, Played};
+use crate::query::Place;
 use crate::{BakeError, Opened, Watcher};
 
 /// The scene, opened, with the bake that the project ships, and what the player said of it.
@@ -25,6 +57,192 @@ pub struct Measured {
     pub notes: Vec<String>,
 }
 
-pub fn all(_setup: &Setup, _budget: &Budget, _watcher: &dyn Watcher) -> Result<Measured, BakeError> {
-    Ok(Measured::default())
+/// How much is done where time does not matter.
+#[derive(Clone, Copy, Debug)]
+struct Effort {
+    points: usize,
+    /// Standard error of the path tracer, rms over the mean, below which it need not go.
+    reference: f64,
+    /// Bakes of one patch length have at most so many rays.
+    rays: u32,
+}
+
+const EFFORT: Effort = Effort { points: 200, reference: 1e-4, rays: 1 << 20 };
+/// Seconds below which fewer points must do, and so many then.
+const SHORT: f64 = 60.0;
+const FEW: usize = 64;
+
+/// Shares of what is left, in the order of their turns; bakes take the rest.
+const FOR_TRUTH: f64 = 0.3;
+const FOR_MATRIX: f64 = 0.25;
+const FOR_FRAME: f64 = 0.12;
+const FOR_LAG: f64 = 0.2;
+const FOR_BYTES: f64 = 0.12;
+const FOR_RAW: f64 = 0.2;
+
+pub fn all(setup: &Setup, budget: &Budget, watcher: &dyn Watcher) -> Result<Measured, BakeError> {
+    let points = if budget.left() < SHORT { FEW } else { EFFORT.points };
+    run(setup, budget, &Effort { points, ..EFFORT }, watcher)
+}
+
+fn run(
+    setup: &Setup,
+    budget: &Budget,
+    effort: &Effort,
+    watcher: &dyn Watcher,
+) -> Result<Measured, BakeError> {
+    let mut measured = Measured { seeds: seeds(), ..Measured::default() };
+    if setup.transport.patches.is_empty() {
+        measured.notes.push("the scene has no static surfaces: there is nothing to measure".to_owned());
+        return Ok(measured);
+    }
+    let opened = &setup.opened;
+    let lit = Lit::new(opened, &setup.transport);
+    let chosen = points::choose(opened, effort.points);
+    if chosen.inside > 0 {
+        let note = format!(
+            "{} evaluation points of {} were left out: they lie inside solids",
+            chosen.inside, effort.points
+        );
+        measured.notes.push(note);
+    }
+    let truth = truth::trace(opened, &chosen.points, effort.reference, &budget.part(FOR_TRUTH), watcher)?;
+    let lag = lag::diagrams(&lit, &budget.part(FOR_LAG), watcher, &mut measured.notes)?;
+    if truth.is_dark() {
+        measured
+            .notes
+            .push("no light reaches any surface: only lag was measured, by lamps of its own".to_owned());
+        measured.diagrams = lag;
+        return Ok(measured);
+    }
+    let seen = Seen::new(&lit, lit.places(&chosen.points));
+    let exactly = seen.exactly(opened, &budget.part(FOR_MATRIX), watcher, &mut measured.notes)?;
+    let frame = seen.frame(setup.played.as_ref(), &budget.part(FOR_FRAME), watcher)?;
+    let bytes = seen.bytes(&budget.part(FOR_BYTES), watcher)?;
+    let shipped = shipped(&setup.transport);
+    measured.split = seen.split(setup, shipped, exactly.as_ref(), &truth, &budget.part(FOR_RAW), watcher)?;
+
+    let presets = bake_time::presets(opened)?;
+    let mut bakes = Bakes {
+        opened,
+        points: &chosen.points,
+        exactly: exactly.as_ref().map(|one| (shipped.length, one)),
+        made: Vec::new(),
+        notes: Vec::new(),
+    };
+    bake_time::bake_all(&mut bakes, &presets, shipped, effort.rays, budget, watcher)?;
+    measured.diagrams.extend(bake_time::diagrams(&bakes, &presets, shipped, exactly.as_ref(), &truth));
+    measured.advice = advice::of_bakes(&bakes, &presets, shipped, &truth);
+    measured.advice.extend(advice::of_frames(&frame));
+    measured.notes.append(&mut bakes.notes);
+    measured.diagrams.push(frame);
+    measured.diagrams.extend(lag);
+    measured.diagrams.push(bytes);
+    measured.diagrams.retain(|diagram| !diagram.series.is_empty());
+    Ok(measured)
+}
+
+fn seeds() -> Vec<(String, u64)> {
+    let of = |name: &str, seeds: &[u64]| -> Vec<(String, u64)> {
+        (1..).zip(seeds).map(|(k, &seed)| (format!("{name} {k}"), seed)).collect()
+    };
+    let mut all =
+        vec![("evaluation points".to_owned(), points::SEED), ("fresh probe rows".to_owned(), probes::SEED)];
+    all.extend(of("path tracer", &truth::SEEDS));
+    all.extend(of("matrix reference", &matrix::SEEDS));
+    all
+}
+
+/// As the certificate says.
+fn shipped(transport: &Transport) -> Recipe {
+    Recipe { length: transport.certificate.base_length, rays: transport.certificate.rays_per_row }
+}
+
+/// The shipped bake under the scene's light, and where it is looked at.
+struct Seen<'a> {
+    lit: &'a Lit<'a>,
+    places: Vec<Option<Place>>,
+    /// From punctual lights, by patch: as shipped, and from many samples.
+    direct: Vec<Vec3>,
+    direct_exactly: Vec<Vec3>,
+    e: Vec<DVec3>,
+    exact: Vec<DVec3>,
+}
+
+impl<'a> Seen<'a> {
+    fn new(lit: &'a Lit<'a>, places: Vec<Option<Place>>) -> Self {
+        let rows = &lit.transport.patch_from_patch;
+        let direct = lit.direct(&lit.lights);
+        let direct_exactly = lit.direct_from(&lit.lights, MANY_SAMPLES);
+        let e = lit.e(rows, &direct);
+        let exact = lit.solve(rows, &e);
+        Self { lit, places, direct, direct_exactly, e, exact }
+    }
+
+    fn exactly(
+        &self,
+        opened: &Opened,
+        budget: &Budget,
+        watcher: &dyn Watcher,
+        notes: &mut Vec<String>,
+    ) -> Result<Option<Exactly>, BakeError> {
+        exactly(opened, self.lit, &self.direct_exactly, &self.places, budget, watcher, notes)
+    }
+
+    fn frame(
+        &self,
+        played: Option<&Played>,
+        budget: &Budget,
+        watcher: &dyn Watcher,
+    ) -> Result<Diagram, BakeError> {
+        let problem = Problem { lit: self.lit, e: &self.e, exact: &self.exact };
+        frame::diagram(&problem, played, budget, watcher)
+    }
+
+    fn bytes(&self, budget: &Budget, watcher: &dyn Watcher) -> Result<Diagram, BakeError> {
+        let truth = self.lit.shown(&self.exact, &self.places);
+        bytes::diagram(self.lit, &self.direct, &self.places, &truth, budget, watcher)
+    }
+
+    fn split(
+        &self,
+        setup: &Setup,
+        shipped: Recipe,
+        exactly: Option<&Exactly>,
+        truth: &Truth,
+        budget: &Budget,
+        watcher: &dyn Watcher,
+    ) -> Result<Split, BakeError> {
+        watcher.stage("split", 2);
+        let within = Within { watcher: &Quiet(watcher), budget: *budget };
+        let raw = match raw::rows(&setup.opened, shipped, &within) {
+            Err(BakeError::Cancelled) if watcher.cancelled() => return Err(BakeError::Cancelled),
+            Err(_) => {
+                Err("the budget had no time to trace its rays again: its share lies in form factors"
+                    .to_owned())
+            }
+            Ok(rows) if rows.len() == setup.transport.patches.len() => Ok(rows),
+            Ok(_) => Err("the layout is not the bake's: its share lies in form factors".to_owned()),
+        };
+        watcher.advance(1, 0);
+        let fits = |light: &&GpuLight| {
+            light.radiosity.len() >= setup.transport.patches.len()
+                && light.irradiance.len() == setup.transport.receivers.len()
+        };
+        let chain = Chain {
+            lit: self.lit,
+            places: &self.places,
+            direct_exactly: &self.direct_exactly,
+            exact: &self.exact,
+            iterated: &split::iterated(self.lit, &self.e),
+            gpu: setup.played.as_ref().and_then(|played| played.light.as_ref()).filter(fits),
+            raw,
+            exactly,
+            truth,
+        };
+        let mut split = chain.split();
+        split.parts.push(probes::part(self.lit, &self.exact));
+        watcher.advance(1, 0);
+        Ok(split)
+    }
 }

@@ -12,7 +12,7 @@ pub const TOLERANCE: f32 = 1e-3;
 /// Products of a frame while light changes; at most; and of the first frame, which starts from darkness.
 const PRODUCTS: u32 = 2;
 const MOST: u32 = 8;
-const FIRST: u32 = 16;
+pub const FIRST: u32 = 16;
 /// Of the largest B while something arrived at patches: below it, what is left is nothing.
 const NOTHING: f32 = 1e-6;
 

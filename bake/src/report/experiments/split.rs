@@ -1,0 +1,188 @@
+//! Where the error comes from: one switch at a time.
+//!
+//! A chain of irradiance fields at the same points, from what the player shows to the path tracer; each differs from the
+//! next in one thing, and the difference, a signed field, is that thing's part. Parts add up to the total because fields
+//! do, if nothing is missing: the total is measured by another way, what the GPU gathered at the receivers itself (or,
+//! without a player, the CPU in f32) against the path tracer's other seed.
+
+use engine::transport::solve::{Coarse, TwoLevel};
+use engine::transport::steering::{Measured, Steering};
+use engine::transport::{Rows, Transport};
+use glam::{DVec3, Vec3};
+
+use super::bytes::radiosity;
+use super::frame::largest_gain;
+use super::lit::{Lit, difference, weights};
+use super::matrix::Exactly;
+use super::truth::Truth;
+use crate::query::Place;
+use crate::report::model::{Error, Part, Split};
+use crate::report::player::GpuLight;
+
+/// Places on a patch where direct light is taken for the truth.
+pub const MANY_SAMPLES: u32 = 256;
+/// Frames after which light that stands still is as solved as it gets.
+const FRAMES: usize = 200;
+
+/// One field of the chain, or why it is missing.
+struct Link {
+    /// The part between this and the field before.
+    part: &'static str,
+    /// What the field is.
+    what: &'static str,
+    field: Result<Vec<f64>, String>,
+}
+
+/// What the chain is made of.
+pub struct Chain<'a> {
+    pub lit: &'a Lit<'a>,
+    pub places: &'a [Option<Place>],
+    /// From punctual lights, by patch, from many samples.
+    pub direct_exactly: &'a [Vec3],
+    /// The exact solution of the stored rows, and what the CPU's f32 iteration ends with.
+    pub exact: &'a [DVec3],
+    pub iterated: &'a [DVec3],
+    pub gpu: Option<&'a GpuLight>,
+    /// Patches' rows as counted, where they were traced again.
+    pub raw: Result<Rows, String>,
+    pub exactly: Option<&'a Exactly>,
+    pub truth: &'a Truth,
+}
+
+impl Chain<'_> {
+    pub fn split(&self) -> Split {
+        let links = self.links();
+        let mut parts = Vec::new();
+        let mut sum = vec![0.0; self.truth.field.len()];
+        let mut at: Option<(&str, &[f64])> = None;
+        for link in &links {
+            let mut part = Part { name: link.part.to_owned(), ..Part::default() };
+            match (&link.field, at) {
+                (Err(why), _) => part.left_out = Some(why.clone()),
+                (Ok(field), None) => {
+                    at = Some((link.what, field));
+                    continue;
+                }
+                (Ok(field), Some((before, last))) => {
+                    let e = difference(last, field);
+                    part.compared = format!("{before} against {}", link.what);
+                    part.error = self.error(&e);
+                    sum.iter_mut().zip(&e).for_each(|(sum, e)| *sum += e);
+                    at = Some((link.what, field));
+                }
+            }
+            parts.push(part);
+        }
+        let total = difference(&self.shown(), &self.truth.halves[1]);
+        let size = rms(&total);
+        Split {
+            about: self.about(),
+            parts,
+            total: self.error(&total),
+            unexplained: if size > 0.0 { rms(&difference(&sum, &total)) / size } else { 0.0 },
+            reference_error: self.truth.standard_error,
+        }
+    }
+
+    fn error(&self, field: &[f64]) -> Error {
+        Error::of_field(field, &self.truth.field, &weights(field))
+    }
+
+    fn about(&self) -> String {
+        let shown =
+            if self.gpu.is_some() { "the irradiance that the GPU gathered" } else { "the CPU's, in f32" };
+        format!(
+            "Irradiance at {} points, without what comes straight from punctual lights, the scene as it is at its start. \
+             Each part is a field, what one switch changes; the fields are added and compared with the total, which is \
+             measured by itself: {shown}, against the path tracer with another seed.",
+            self.places.len()
+        )
+    }
+
+    /// From the player to the path tracer.
+    fn links(&self) -> Vec<Link> {
+        let lit = self.lit;
+        let rows = &lit.transport.patch_from_patch;
+        let show = |b: &[DVec3]| lit.shown(b, self.places);
+        let none = |why: &str| Err(why.to_owned());
+        let gpu = self
+            .gpu
+            .ok_or_else(|| "no player, or nothing to draw with: the chain begins on the CPU".to_owned());
+        let iterated = show(self.iterated);
+        let exactly = show(&lit.solve(rows, &lit.e(rows, self.direct_exactly)));
+        let raw = self.raw.as_ref().map(|raw| show(&radiosity(lit, raw, self.direct_exactly)));
+        let reference = |field: fn(&Exactly) -> &Vec<f64>| match self.exactly {
+            Some(exactly) => Ok(field(exactly).clone()),
+            None => Err("no matrix reference: its share lies in discretisation".to_owned()),
+        };
+        let link = |part, what, field| Link { part, what, field };
+        vec![
+            link(
+                "",
+                "the GPU's radiosity",
+                gpu.map(|gpu| show(&gpu.radiosity[..lit.transport.patches.len()])),
+            ),
+            link("GPU", "the same iteration on the CPU in f32", Ok(iterated)),
+            link("solver", "the exact solution of the stored rows", Ok(show(self.exact))),
+            link("lag", "", none("light stands still here: its worst frames are in the diagrams of lag")),
+            link("direct sampling", "direct light from 256 samples a patch", Ok(exactly)),
+            link(
+                "quantisation",
+                "",
+                none(
+                    "weights are stored as f32, rounded once by 6e-8 at most: the diagram of bytes has fewer",
+                ),
+            ),
+            link("compression", "", none("rows are stored whole")),
+            link("balance", "rows as their rays counted them", raw.map_err(Clone::clone)),
+            link("form factors", "the matrix reference at the receivers", reference(|one| &one.at_receivers)),
+            link("reconstruction", "the matrix reference at the points", reference(|one| &one.at_points)),
+            link("discretisation", "the path tracer", Ok(self.truth.halves[0].clone())),
+        ]
+    }
+
+    /// By another way than the chain's first field.
+    fn shown(&self) -> Vec<f64> {
+        let irradiance = match self.gpu {
+            Some(gpu) => gpu.irradiance.clone(),
+            None => gathered_in_f32(self.lit.transport, &self.lit.columns(self.iterated)),
+        };
+        self.lit.blended(&irradiance, self.places)
+    }
+}
+
+/// H = G B as a GPU adds it up: in f32, entry by entry.
+fn gathered_in_f32(transport: &Transport, values: &[DVec3]) -> Vec<DVec3> {
+    let values: Vec<Vec3> = values.iter().map(|value| value.as_vec3()).collect();
+    let rows = &transport.receiver_from_patch;
+    let row =
+        |i: usize| -> Vec3 { rows.row(i).map(|(column, weight)| values[column as usize] * weight).sum() };
+    (0..rows.len()).map(|i| row(i).as_dvec3()).collect()
+}
+
+/// What the runtime ends with once light stands still: f32, products by its own rule, until it asks for none.
+pub fn iterated(lit: &Lit, e: &[DVec3]) -> Vec<DVec3> {
+    let system = lit.system(&lit.transport.patch_from_patch);
+    let coarse = Coarse::new(&system);
+    let iteration = TwoLevel { system: &system, coarse: &coarse };
+    let gain = largest_gain(lit) as f32;
+    let e: Vec<Vec3> = e.iter().map(|e| e.as_vec3()).collect();
+    let most = |values: &[Vec3]| values.iter().fold(0.0_f32, |max, value| max.max(value.max_element()));
+    let mut b = e.clone();
+    let mut steering = Steering::default();
+    for _ in 0..FRAMES {
+        let products = steering.products(gain);
+        if products == 0 {
+            break;
+        }
+        let mut residual = 0.0;
+        (0..products).for_each(|_| residual = iteration.step(&e, &mut b));
+        let version = steering.version();
+        steering.receive(Measured { version, residual, largest: most(&b), exitance: most(&e) });
+    }
+    b.iter().map(|b| b.as_dvec3()).collect()
+}
+
+pub fn rms(field: &[f64]) -> f64 {
+    (field.iter().map(|e| e * e).sum::<f64>() / field.len().max(1) as f64).sqrt()
+}
