@@ -34,12 +34,17 @@ impl Budget {
 
     /// A share (0 to 1) of what is left, from now on.
     pub fn part(&self, share: f64) -> Self {
-        Self::new(self.left() * share.clamp(0.0, 1.0))
+        self.first(self.left() * share)
     }
 
     /// All that is left but so many seconds, from now on.
     pub fn but(&self, seconds: f64) -> Self {
-        Self::new(self.left() - seconds)
+        self.first(self.left() - seconds)
+    }
+
+    fn first(&self, seconds: f64) -> Self {
+        let slice = Self::new(seconds);
+        Self { ends: slice.ends.min(self.ends), ..slice }
     }
 
     pub fn is_spent(&self) -> bool {

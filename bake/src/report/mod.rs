@@ -5,9 +5,18 @@
 //! shows to a path tracer that shares nothing with it but the triangles.
 
 pub mod budget;
+mod csv;
 pub mod experiments;
+pub mod files;
+pub mod front;
+mod machine;
 pub mod model;
+mod numbers;
+mod page;
 pub mod player;
+pub mod plot;
+mod sentences;
+pub mod trend;
 
 use std::path::{Path, PathBuf};
 
@@ -15,10 +24,11 @@ use engine::scene::file::Quality;
 
 pub use budget::Budget;
 pub use model::Report;
+pub use sentences::summary;
 
 use self::budget::Within;
 use self::experiments::{Measured, Setup};
-use self::model::Machine;
+use self::model::FrameTime;
 use crate::{BakeError, Opened, Settings, Solvable, Watcher};
 
 /// Of the budget, what the bake may take, then the player of what is left.
@@ -48,7 +58,14 @@ pub fn report(
     settings: &ReportSettings,
     watcher: &dyn Watcher,
 ) -> Result<Report, BakeError> {
-    crate::on_threads(settings.threads, || run(project, scene, settings, watcher))
+    let made = crate::on_threads(settings.threads, || run(project, scene, settings, watcher));
+    made.map_err(|error| match error {
+        BakeError::Cancelled => BakeError::Other(
+            "cancelled; no report was written, and a bake that was begun goes on from there the next time"
+                .to_owned(),
+        ),
+        error => error,
+    })
 }
 
 fn run(
@@ -58,16 +75,18 @@ fn run(
     watcher: &dyn Watcher,
 ) -> Result<Report, BakeError> {
     let budget = Budget::new(settings.budget);
+    files::can_be_written(&settings.out)?;
     let Solvable { opened, transport } = baked(project, scene, settings, &budget, watcher)?;
-    let (played, unplayed) =
-        player::play(project, &opened.name, &transport, &budget.part(FOR_PLAYER), watcher)?;
+    let for_player = budget.part(FOR_PLAYER);
+    let (played, unplayed) = player::play(project, &opened.name, &transport, &for_player, watcher)?;
     let setup = Setup { opened, transport, played };
     let for_page = (budget.left() * FOR_PAGE).max(FOR_PAGE_AT_LEAST);
     let measured = experiments::all(&setup, &budget.but(for_page), watcher)?;
     let mut report = told(project, &setup, measured);
     report.notes.extend(unplayed);
-    report.budget = settings.budget;
-    report.seconds = budget.spent();
+    (report.budget, report.seconds) = (settings.budget, budget.spent());
+    let files = files::of(&report, settings, watcher)?;
+    files::write(&settings.out, &files)?;
     Ok(report)
 }
 
@@ -80,7 +99,7 @@ fn baked(
     watcher: &dyn Watcher,
 ) -> Result<Solvable, BakeError> {
     let with = Settings { quality: settings.quality, ..Settings::default() };
-    match Solvable::open(project, scene, &with) {
+    match Solvable::certified(project, scene, &with) {
         Err(BakeError::Missing { .. } | BakeError::Stale { .. } | BakeError::Transport(_)) => {}
         opened => return opened,
     }
@@ -105,14 +124,20 @@ fn too_long(project: &Path, scene: Option<&str>) -> BakeError {
 fn told(project: &Path, setup: &Setup, measured: Measured) -> Report {
     let Measured { diagrams, split, advice, seeds, notes } = measured;
     let certificate = setup.transport.certificate.clone();
+    let played = setup.played.as_ref();
     Report {
         project: project.display().to_string(),
         scene: setup.opened.name.clone(),
         quality: certificate.quality.clone(),
-        machine: Machine::default(),
-        picture: setup.played.as_ref().and_then(|played| played.picture.clone()),
+        machine: machine::machine(played),
         seeds,
         certificate,
+        picture: played.and_then(|played| played.picture.clone()),
+        frame: played.map(|played| FrameTime {
+            passes: played.passes.clone(),
+            whole: played.frame.clone(),
+            bound: played.bound,
+        }),
         diagrams,
         split,
         advice,

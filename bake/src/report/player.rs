@@ -13,6 +13,7 @@ use engine::transport::Transport;
 use serde::Deserialize;
 
 pub use self::light::GpuLight;
+pub use super::model::PassTime;
 
 use self::child::{Child, Ended};
 use super::Budget;
@@ -52,14 +53,6 @@ pub struct Played {
     pub light: Option<GpuLight>,
     /// From darkness, one frame of so many products, by number of products.
     pub sweep: Vec<Swept>,
-}
-
-/// Milliseconds a frame.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct PassTime {
-    pub name: String,
-    pub median: f64,
-    pub p99: f64,
 }
 
 /// So many products in one frame, from darkness.
