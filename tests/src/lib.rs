@@ -23,5 +23,5 @@ pub fn shared() -> Option<PathBuf> {
 pub mod picture;
 pub mod room;
 pub mod surfaces;
-pub mod table;
 pub mod systems;
+pub mod table;

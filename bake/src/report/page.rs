@@ -202,7 +202,7 @@ fn presets(told: &Told) -> Markup {
                     }
                 }
             }
-            p.small { "On the front: no other measured point gives the same error for 13 % less cost, or 13 % less error for the same." }
+            p.small { "On the front: within 15 % of it, in cost or in error; between measured points the front is interpolated." }
         }
     }
 }

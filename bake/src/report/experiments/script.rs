@@ -58,7 +58,12 @@ pub fn scripts(lit: &Lit) -> Vec<Script> {
             frames: (0..STEPS).map(|k| Some(room.sun(way(k)))).collect(),
             begins_solved: true,
         },
-        Script { name: "flicker at 10 Hz", moves: false, frames: vec![cycle; 4].concat(), begins_solved: false },
+        Script {
+            name: "flicker at 10 Hz",
+            moves: false,
+            frames: vec![cycle; 4].concat(),
+            begins_solved: false,
+        },
         Script {
             name: "a teleport",
             moves: false,
