@@ -139,6 +139,9 @@ pub struct QueryArgs {
     /// receivers: what the runtime shows there; gather: a fresh final gather
     #[arg(long, value_parser = method(), hide_possible_values = true, conflicts_with = "probes")]
     pub method: Option<Method>,
+    /// Ask a bake whose certificate does not hold, too
+    #[arg(long)]
+    pub force: bool,
     /// Print one JSON object on stdout
     #[arg(long)]
     pub json: bool,
@@ -169,6 +172,12 @@ impl SceneArgs {
 
     pub fn settings(&self) -> Settings {
         Settings { quality: self.quality, ..Settings::default() }
+    }
+}
+
+impl QueryArgs {
+    pub fn settings(&self) -> Settings {
+        Settings { force: self.force, ..self.scene.settings() }
     }
 }
 

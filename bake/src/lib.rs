@@ -53,7 +53,7 @@ pub struct Settings {
     pub patch_length: Option<f64>,
     /// `None`: as many as the machine has.
     pub threads: Option<usize>,
-    /// Bake everything anew, whatever is there.
+    /// Bake everything anew, whatever is there. Query: ask a bake whose certificate does not hold, too.
     pub force: bool,
 }
 
@@ -182,7 +182,7 @@ fn run(
     let file = file::path(project, &opened.name);
     watcher.advance(1, 0);
 
-    let current = (!settings.force).then(|| file::load(&file).ok()).flatten();
+    let current = (!settings.force).then(|| file::load_uncertified(&file).ok()).flatten();
     let current = current.filter(|transport| transport.certificate.key == key);
     let unchanged = current.is_some();
     let mut transport = match current {
@@ -330,7 +330,17 @@ struct Solvable {
 }
 
 impl Solvable {
-    fn open(project: &Path, scene: Option<&str>, settings: &Settings) -> Result<Self, BakeError> {
+    /// To be asked: its certificate holds, or it is forced.
+    fn certified(project: &Path, scene: Option<&str>, settings: &Settings) -> Result<Self, BakeError> {
+        Self::open(project, scene, settings, if settings.force { file::load_uncertified } else { file::load })
+    }
+
+    fn open(
+        project: &Path,
+        scene: Option<&str>,
+        settings: &Settings,
+        load: fn(&Path) -> Result<Transport, TransportError>,
+    ) -> Result<Self, BakeError> {
         let opened = Opened::open(project, scene)?;
         let file = file::path(project, &opened.name);
         let project_name = project.display().to_string();
@@ -339,7 +349,7 @@ impl Solvable {
             let quality = quality.unwrap_or_else(|| opened.settings.bake.quality.to_string());
             return Err(BakeError::Missing { project: project_name, scene: opened.name, quality });
         }
-        let transport = file::load(&file)?;
+        let transport = load(&file)?;
         let certificate = &transport.certificate;
         let stale = |why: &str| {
             Err(BakeError::Stale { project: project_name, scene: opened.name.clone(), why: why.to_owned() })
@@ -362,7 +372,8 @@ impl Solvable {
 
 /// The certificate of the bake on disk, every statement computed again from the stored arrays.
 pub fn check(project: &Path, scene: Option<&str>, settings: &Settings) -> Result<Certificate, BakeError> {
-    let Solvable { opened, transport, .. } = Solvable::open(project, scene, settings)?;
+    let Solvable { opened, transport, .. } =
+        Solvable::open(project, scene, settings, file::load_uncertified)?;
     let mut certificate = transport.certificate.clone();
     let mut materials = materials::of_patches(&transport, &opened.scene, &opened.assets);
     let unlimited = opened.settings.bake.unlimited_gain;
@@ -387,7 +398,7 @@ pub fn query_points(
     points: &[Point],
     method: Method,
 ) -> Result<Vec<Irradiance>, BakeError> {
-    query::Query::new(Solvable::open(project, scene, settings)?).points(points, method)
+    query::Query::new(Solvable::certified(project, scene, settings)?).points(points, method)
 }
 
 /// SH coefficients of incoming radiance at points, in their order, fresh rows from the solved radiosity.
@@ -397,5 +408,5 @@ pub fn query_probes(
     settings: &Settings,
     points: &[DVec3],
 ) -> Result<Vec<[Vec3; 9]>, BakeError> {
-    query::Query::new(Solvable::open(project, scene, settings)?).probes(points)
+    query::Query::new(Solvable::certified(project, scene, settings)?).probes(points)
 }

@@ -28,7 +28,7 @@ use engine::transport::bvh::Bvh;
 /// Rays of a light-probe row: few probes, each with nine coefficients to get right.
 pub const PROBE_RAYS: u32 = 4096;
 /// A point that meets back faces with more than this share of its rays lies inside something.
-const INSIDE: f64 = 0.25;
+pub const INSIDE: f64 = 0.25;
 
 /// Where rows are kept while they are traced.
 pub struct Caches {

@@ -161,3 +161,22 @@ fn a_damaged_bake_is_refused_with_its_path() {
         assert!(error_of(&output).contains("light.hohlraum"), "{}", error_of(&output));
     }
 }
+
+#[test]
+fn a_bake_whose_certificate_does_not_hold_is_played_by_force_alone() {
+    if !can_draw() {
+        return;
+    }
+    let folder = project(&floor_and_box(-1.0), Some(&bake()));
+    let path = file::path(folder.path(), "main");
+    let mut broken = file::load(&path).unwrap();
+    broken.certificate.asymmetry = 0.03;
+    file::save(&path, &broken).unwrap();
+    let output = play(folder.path(), &["--headless", "--size", "8x8"]);
+    assert_eq!(output.status.code(), Some(1));
+    let error = error_of(&output);
+    assert!(error.contains("reciprocity is missed by 3.0e-2 (limit 1.0e-4)"), "{error}");
+    assert!(error.contains("--force"), "{error}");
+    let said = plays(folder.path(), &["--size", "8x8", "--force"]);
+    assert!(said.contains("reciprocity is missed by"), "{said}");
+}

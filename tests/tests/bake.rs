@@ -301,6 +301,24 @@ fn damaged_light_files_are_refused_by_name() {
 }
 
 #[test]
+fn a_bake_whose_certificate_does_not_hold_is_asked_by_force_alone() {
+    let project = cube();
+    let file = baked(&project).file;
+    let mut broken = file::load(&file).expect("a light file");
+    broken.certificate.row_sum_excess = 0.035;
+    file::save(&file, &broken).expect("a light file");
+    let ask = |force| {
+        let settings = Settings { force, ..settings() };
+        query_points(project.path(), None, &settings, &[], Method::Receivers).map(|_| ())
+    };
+    let refused = ask(false).expect_err("a refusal").to_string();
+    assert!(refused.contains("row sums exceed their targets by 3.5e-2 (limit 0.0e0)"), "{refused}");
+    ask(true).expect("an answer");
+    // Its arrays are sound: what `check` finds in them is what holds.
+    assert!(bake::check(project.path(), None, &settings()).expect("a certificate").holds());
+}
+
+#[test]
 fn a_position_that_is_no_number_is_left_out_by_name() {
     let obj = "o floor\nv 0 0 0\nv 0 0 1\nv 1 0 1\nv 1 0 0\nf 1 2 3 4\n\
         o broken\nv nan 1 0\nv 0 1 1\nv 1 1 1\nf 5 6 7\nv 0 1 0\nf 8 7 6\n";

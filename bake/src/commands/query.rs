@@ -32,7 +32,7 @@ fn points_answered(args: &QueryArgs, file: &Path) -> Result<(Vec<u8>, usize)> {
     let rows = columns::read(file, ["x", "y", "z", "nx", "ny", "nz"])?;
     let points = rows.iter().map(|row| point(file, row));
     let points = points.collect::<Result<Vec<_>>>()?;
-    let (scene, settings) = (&args.scene, args.scene.settings());
+    let (scene, settings) = (&args.scene, args.settings());
     let method = args.method.unwrap_or_default();
     let answers = bake::query_points(&scene.project, scene.name(), &settings, &points, method)
         .map_err(|error| about(file, error))?;
@@ -46,7 +46,7 @@ fn points_answered(args: &QueryArgs, file: &Path) -> Result<(Vec<u8>, usize)> {
 fn probes_answered(args: &QueryArgs, file: &Path) -> Result<(Vec<u8>, usize)> {
     let rows = columns::read(file, ["x", "y", "z"])?;
     let points: Vec<_> = rows.iter().map(|row| DVec3::from_array(row.numbers)).collect();
-    let (scene, settings) = (&args.scene, args.scene.settings());
+    let (scene, settings) = (&args.scene, args.settings());
     let answers = bake::query_probes(&scene.project, scene.name(), &settings, &points)
         .map_err(|error| about(file, error))?;
     let rows = rows.iter().zip(&answers).map(|(row, l)| [&row.numbers[..], &coefficients(l)].concat());

@@ -99,7 +99,7 @@ fn baked(
     watcher: &dyn Watcher,
 ) -> Result<Solvable, BakeError> {
     let with = Settings { quality: settings.quality, ..Settings::default() };
-    match Solvable::open(project, scene, &with) {
+    match Solvable::certified(project, scene, &with) {
         Err(BakeError::Missing { .. } | BakeError::Stale { .. } | BakeError::Transport(_)) => {}
         opened => return opened,
     }

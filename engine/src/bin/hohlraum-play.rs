@@ -58,6 +58,9 @@ struct Args {
     /// Writes times and counts over the picture.
     #[arg(long)]
     overlay: bool,
+    /// Plays a bake whose certificate does not hold.
+    #[arg(long)]
+    force: bool,
 }
 
 fn main() -> ExitCode {
@@ -78,6 +81,7 @@ fn main() -> ExitCode {
         exposure: args.exposure,
         vsync: args.vsync,
         overlay: args.overlay,
+        force: args.force,
     };
     match play::run(&options) {
         Ok(()) => ExitCode::SUCCESS,

@@ -50,6 +50,8 @@ pub struct Options {
     pub vsync: bool,
     /// Times and counts over the picture, from the start.
     pub overlay: bool,
+    /// Plays a bake whose certificate does not hold.
+    pub force: bool,
 }
 
 impl Options {
@@ -70,6 +72,7 @@ impl Options {
             exposure: None,
             vsync: true,
             overlay: false,
+            force: false,
         }
     }
 }
@@ -96,7 +99,7 @@ impl From<GpuError> for PlayError {
 
 /// Plays until the window is closed or all frames are drawn. What stops nothing is said on stderr.
 pub fn run(options: &Options) -> Result<(), PlayError> {
-    let (world, warnings) = World::load(&options.project, options.scene.as_deref())?;
+    let (world, warnings) = World::load(&options.project, options.scene.as_deref(), options.force)?;
     for warning in warnings {
         eprintln!("warning: {warning}");
     }

@@ -38,14 +38,19 @@ pub struct World {
 }
 
 impl World {
-    /// Reads a scene of a project (`None`: its default scene) and its bake.
-    pub fn load(project: &Path, scene: Option<&str>) -> Result<(Self, Vec<Warning>), PlayError> {
+    /// Reads a scene of a project (`None`: its default scene) and its bake. One whose certificate does not hold is an
+    /// error, or is warned of where it is forced.
+    pub fn load(project: &Path, scene: Option<&str>, force: bool) -> Result<(Self, Vec<Warning>), PlayError> {
         let settings = file::load_project(project)?;
         let name = scene.unwrap_or(&settings.default_scene).to_owned();
         let scene = file::load_scene(project, &name)?;
         let (assets, mut warnings) = load_assets(project, &scene)?;
         warnings.extend(transport::materials::warnings(&scene));
-        let (mut transport, lacks) = bake_of(project, &name, &scene, &assets)?;
+        let (mut transport, lacks) = bake_of(project, &name, &scene, &assets, force)?;
+        if let Some(broken) = transport.certificate.broken().filter(|_| !transport.patches.is_empty()) {
+            let message = format!("its bake is used though its certificate does not hold: {broken}");
+            warnings.push(Warning::new(format!("scene `{name}`"), message));
+        }
         let remedy = format!("run `hohlraum-bake {} --scene {name}`", project.display());
         let told =
             lacks.iter().map(|lacks| Warning::new(format!("scene `{name}`"), format!("{lacks}; {remedy}")));
@@ -156,6 +161,7 @@ fn bake_of(
     name: &str,
     scene: &Scene,
     assets: &Assets,
+    force: bool,
 ) -> Result<(Transport, Option<String>), PlayError> {
     let path = transport::file::path(project, name);
     if !path.is_file() {
@@ -167,7 +173,8 @@ fn bake_of(
             .then(|| "it has no bake, only direct light is shown".to_owned());
         return Ok((Transport::default(), lacks));
     }
-    let mut transport = transport::file::load(&path)?;
+    let load = if force { transport::file::load_uncertified } else { transport::file::load };
+    let mut transport = load(&path)?;
     let certificate = &transport.certificate;
     if certificate.inputs.is_empty() {
         let lacks = "its bake is of an older baker, all of it is stale and only direct light is shown";

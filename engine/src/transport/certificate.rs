@@ -41,6 +41,12 @@ pub struct Certificate {
     /// max |A_i P_ij - A_j P_ji| / max A_i P_ij of the stored rows.
     pub asymmetry: f64,
     pub least_entry: f64,
+    /// max over receivers of the sum of their rows beyond 1; never above 0.
+    pub receiver_sum_excess: f64,
+    /// max over probes of the constant coefficient beyond that of the whole sphere, relative.
+    pub probe_sum_excess: f64,
+    /// The share of all light, under the scene's own emitters and a white sky, that appears or vanishes.
+    pub energy_defect: f64,
     /// Area mean of the share of light that is lost on back faces.
     pub lost: f64,
     /// Area mean of the share of light that leaves the scene: to the sky, or to nothing.
@@ -68,20 +74,35 @@ pub struct Statement {
 }
 
 impl Certificate {
-    /// What `check` checks. A NaN never holds.
+    /// What `check` checks, and what a bake must hold to be loaded. A NaN never holds.
     pub fn statements(&self) -> Vec<Statement> {
         let at_most = |what, value: f64, limit: f64| Statement { what, value, limit, holds: value <= limit };
         vec![
             at_most("row sums miss their targets by", self.row_sum_defect, 2e-7),
             at_most("row sums exceed their targets by", self.row_sum_excess, 0.0),
+            at_most("receivers' row sums exceed 1 by", self.receiver_sum_excess, 0.0),
+            at_most("probes see more than everything by", self.probe_sum_excess, 1e-6),
             at_most("reciprocity is missed by", self.asymmetry, 1e-4),
             at_most("least entry, negated", -self.least_entry, 0.0),
-            at_most("share of light lost on back faces", self.lost, 1.0),
+            at_most("share of light that appears or vanishes", self.energy_defect, 1e-4),
             at_most("cavity gain", self.cavity_gain, if self.unlimited_gain { f64::MAX } else { 1.1e4 }),
         ]
     }
 
     pub fn holds(&self) -> bool {
         self.statements().iter().all(|statement| statement.holds)
+    }
+
+    /// What does not hold, in a line; none where all does.
+    pub fn broken(&self) -> Option<String> {
+        let broken: Vec<String> = self
+            .statements()
+            .iter()
+            .filter(|statement| !statement.holds)
+            .map(|statement| {
+                format!("{} {:.1e} (limit {:.1e})", statement.what, statement.value, statement.limit)
+            })
+            .collect();
+        (!broken.is_empty()).then(|| broken.join(", "))
     }
 }

@@ -31,6 +31,8 @@ pub enum TransportError {
     Io { path: PathBuf, source: std::io::Error },
     #[error("{}: {message}; delete it and bake again", path.display())]
     Broken { path: PathBuf, message: String },
+    #[error("{}: its certificate does not hold: {message}; bake it again (`hohlraum-bake --force`), or play it all the same (`hohlraum-play --force`)", path.display())]
+    Uncertified { path: PathBuf, message: String },
 }
 
 /// What is hashed and stored, by name, in this order.
@@ -173,6 +175,15 @@ pub fn load_certificate(path: &Path) -> Result<Certificate, TransportError> {
 
 /// Checks the checksum, every length and every index before anything is used.
 pub fn load(path: &Path) -> Result<Transport, TransportError> {
+    let transport = load_uncertified(path)?;
+    match transport.certificate.broken() {
+        Some(message) => Err(TransportError::Uncertified { path: path.to_owned(), message }),
+        None => Ok(transport),
+    }
+}
+
+/// The same whatever its certificate says: for those who check it, or want it all the same.
+pub fn load_uncertified(path: &Path) -> Result<Transport, TransportError> {
     let bytes = std::fs::read(path).map_err(|source| TransportError::Io { path: path.to_owned(), source })?;
     let broken = |message: String| TransportError::Broken { path: path.to_owned(), message };
     let transport = parse(&bytes).map_err(broken)?;

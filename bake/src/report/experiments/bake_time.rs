@@ -87,7 +87,7 @@ fn wanted(presets: &[Preset], shipped: Recipe) -> Vec<Recipe> {
         .iter()
         .flat_map(|&length| RAYS.into_iter().map(move |rays| Recipe { length, rays }))
         .collect();
-    lines.sort_by(|a, b| work(a).total_cmp(&work(b)));
+    lines.sort_by(|a, b| a.work().total_cmp(&b.work()));
     let first = lines.first().copied();
     let presets = presets.iter().map(|preset| preset.recipe);
     let mut wanted: Vec<Recipe> = Vec::new();
@@ -99,10 +99,6 @@ fn wanted(presets: &[Preset], shipped: Recipe) -> Vec<Recipe> {
     wanted
 }
 
-fn work(recipe: &Recipe) -> f64 {
-    f64::from(recipe.rays) / (recipe.length * recipe.length)
-}
-
 /// What the bakes say: all of it, form factors, patches.
 pub fn diagrams(
     bakes: &Bakes,
@@ -111,9 +107,11 @@ pub fn diagrams(
     exactly: Option<&Exactly>,
     truth: &Truth,
 ) -> Vec<Diagram> {
-    let of_rays = exactly.map(|exactly| form_factors(bakes, presets, shipped, exactly));
     let mut diagrams = vec![total(bakes, presets, truth), patches(bakes, presets, truth)];
-    diagrams.extend(of_rays);
+    if let Some(exactly) = exactly {
+        diagrams.push(form_factors(bakes, presets, shipped, exactly));
+        diagrams.push(matrices(bakes, presets, shipped, exactly));
+    }
     diagrams.iter_mut().for_each(|diagram| diagram.series.retain(|series| !series.points.is_empty()));
     diagrams
 }
@@ -147,44 +145,58 @@ fn total(bakes: &Bakes, presets: &[Preset], truth: &Truth) -> Diagram {
 
 /// Bakes of the shipped length against the same patches with many more rays.
 fn form_factors(bakes: &Bakes, presets: &[Preset], shipped: Recipe, exactly: &Exactly) -> Diagram {
-    let made = || {
-        sorted(bakes, |made| made.recipe.length == shipped.length, |made| f64::from(made.recipe.rays))
-            .into_iter()
-    };
-    let shown = made().map(|made| point(made, presets, &exactly.at_receivers));
-    let factors = made().filter_map(|made| {
-        let error = made.factors?;
-        Some(Point { error, ..point(made, presets, &exactly.at_receivers) })
-    });
-    let floor = |name: &str, y: f64| Floor { name: format!("matrix reference, {name}"), y };
+    let of_length =
+        sorted(bakes, |made| made.recipe.length == shipped.length, |made| f64::from(made.recipe.rays));
+    let points = of_length.into_iter().map(|made| point(made, presets, &exactly.at_receivers));
     Diagram {
         id: "bake_rays".to_owned(),
         title: "Bake time and the error of form factors".to_owned(),
         about: format!(
             "What do more rays bring? Clean bakes with patches of {}, against the matrix reference on the same patches \
-             with {} rays a row, all of them others; both solved exactly and seen at the same receivers. Form factors \
-             themselves: norm of the difference of the matrices over the norm (Frobenius).",
+             with {} rays a row, all of them others; both solved exactly and seen at the same receivers.",
             metres(shipped.length),
             exactly.rays
         ),
         x: seconds(),
-        y: Axis { label: "error, rms over mean".to_owned(), unit: String::new() },
+        y: irradiance(),
         norm: Norm::Rms,
-        series: vec![
-            Series { name: "irradiance".to_owned(), points: shown.collect() },
-            Series { name: "form factors themselves".to_owned(), points: factors.collect() },
-        ],
-        floors: vec![
-            floor("irradiance", exactly.standard_error),
-            floor("form factors themselves", exactly.floor_of_factors()),
-        ],
+        series: vec![Series { name: "rays of a row".to_owned(), points: points.collect() }],
+        floors: vec![Floor { name: "error of the matrix reference".to_owned(), y: exactly.standard_error }],
     }
 }
 
-/// Patch lengths at the most rays that three lengths at least were baked with.
+/// The same of the matrices themselves.
+fn matrices(bakes: &Bakes, presets: &[Preset], shipped: Recipe, exactly: &Exactly) -> Diagram {
+    let of_length =
+        sorted(bakes, |made| made.recipe.length == shipped.length, |made| f64::from(made.recipe.rays));
+    let points = of_length.into_iter().filter_map(|made| {
+        let error = made.factors?;
+        Some(Point { error, ..point(made, presets, &exactly.at_receivers) })
+    });
+    Diagram {
+        id: "bake_matrix".to_owned(),
+        title: "Bake time and the error of the matrix".to_owned(),
+        about: format!(
+            "The form factors of patches of {} one by one, before light averages over them: norm of the difference from the \
+             matrix reference over its norm (Frobenius).",
+            metres(shipped.length)
+        ),
+        x: seconds(),
+        y: Axis { label: "error of the matrix, relative".to_owned(), unit: String::new() },
+        norm: Norm::Rms,
+        series: vec![Series { name: "rays of a row".to_owned(), points: points.collect() }],
+        floors: vec![Floor {
+            name: "error of the matrix reference".to_owned(),
+            y: exactly.floor_of_factors(),
+        }],
+    }
+}
+
+/// Patch lengths at the most rays that four lengths, or else as many as there are, were baked with.
 fn patches(bakes: &Bakes, presets: &[Preset], truth: &Truth) -> Diagram {
     let with = |rays: u32| sorted(bakes, |made| made.recipe.rays == rays, |made| -made.recipe.length);
-    let rays = RAYS.into_iter().rev().find(|&rays| with(rays).len() >= 3).unwrap_or(RAYS[0]);
+    let most = |lengths: usize| RAYS.into_iter().rev().find(|&rays| with(rays).len() >= lengths);
+    let rays = most(4).or(most(3)).or(most(2)).unwrap_or(RAYS[0]);
     let points = with(rays).into_iter().map(|made| Point {
         setting: format!("{} patches", made.patches),
         ..point(made, presets, &truth.field)

@@ -46,28 +46,27 @@ pub struct Bakes<'a> {
     pub notes: Vec<String>,
 }
 
+/// What a row takes beside its rays, in rays: to be laid out, sampled towards, balanced.
+const BESIDE: f64 = 192.0;
 /// What a bake may take longer than expected.
 const MARGIN: f64 = 1.25;
 /// Solving it and looking at it, in times of the bake.
 const LOOKING: f64 = 0.3;
 
 impl Recipe {
-    /// Rays in all, up to a factor that is the scene's.
-    fn work(self) -> f64 {
-        f64::from(self.rays) / (self.length * self.length)
-    }
-
-    /// Rows too, up to the same factor: what a bake takes beside its rays.
-    fn at_least(self) -> f64 {
-        self.work().max(64.0 / (self.length * self.length))
+    /// What it costs, up to a factor that is the scene's: rows times their rays, and what a row takes beside.
+    pub fn work(self) -> f64 {
+        (f64::from(self.rays) + BESIDE) / (self.length * self.length)
     }
 }
 
 impl Bakes<'_> {
-    /// Seconds, at most: scaled by rays from what was measured; nothing is known before the first.
+    /// Seconds: scaled from the bake that is most like it; nothing is known before the first.
     pub fn expected(&self, recipe: Recipe) -> f64 {
-        let scaled = |made: &Made| made.seconds[0] * (recipe.at_least() / made.recipe.at_least()).max(0.05);
-        self.made.iter().map(scaled).reduce(f64::min).unwrap_or(0.0)
+        let times = |made: &Made| recipe.work() / made.recipe.work();
+        let unlike = |made: &&Made| times(made).ln().abs();
+        let like = self.made.iter().min_by(|a, b| unlike(a).total_cmp(&unlike(b)));
+        like.map_or(0.0, |made| made.seconds[0] * times(made))
     }
 
     pub fn of(&self, recipe: Recipe) -> Option<&Made> {

@@ -18,18 +18,20 @@ const WEIGHTS: [Kept; 3] = [Kept::U8, Kept::F16, Kept::F32];
 const LARGEST: [Kept; 4] = [Kept::Largest(32), Kept::Largest(64), Kept::Largest(128), Kept::Largest(256)];
 /// Bound to which rows that lost their symmetry are solved, and the products that may take.
 const NEAR: f64 = 1e-8;
+const FEW: f64 = 100.0;
 const MOST: f64 = 4000.0;
 
-/// `direct`: from punctual lights, by patch; `truth`: what the shipped rows show.
-pub fn diagram(
-    lit: &Lit,
-    direct: &[Vec3],
-    places: &[Option<Place>],
-    truth: &[f64],
-    budget: &Budget,
-    watcher: &dyn Watcher,
-) -> Result<Diagram, BakeError> {
+/// The shipped rows under the scene's light: `direct` from punctual lights, by patch; `exact`: solved.
+pub struct Stored<'a> {
+    pub lit: &'a Lit<'a>,
+    pub direct: &'a [Vec3],
+    pub exact: &'a [DVec3],
+    pub places: &'a [Option<Place>],
+}
+
+pub fn diagram(stored: &Stored, budget: &Budget, watcher: &dyn Watcher) -> Result<Diagram, BakeError> {
     watcher.stage("bytes", (WEIGHTS.len() + LARGEST.len()) as u64);
+    let truth = stored.lit.shown(stored.exact, stored.places);
     let mut series = Vec::new();
     for (name, forms) in
         [("all entries, smaller weights", &WEIGHTS[..]), ("only the largest (do not)", &LARGEST)]
@@ -43,7 +45,7 @@ pub fn diagram(
             if budget.is_spent() {
                 continue;
             }
-            points.push(point(lit, direct, places, truth, how));
+            points.push(point(stored, &truth, how));
         }
         series.push(Series { name: name.to_owned(), points });
     }
@@ -62,10 +64,11 @@ pub fn diagram(
     })
 }
 
-fn point(lit: &Lit, direct: &[Vec3], places: &[Option<Place>], truth: &[f64], how: Kept) -> Point {
+fn point(stored: &Stored, truth: &[f64], how: Kept) -> Point {
+    let Stored { lit, direct, exact, places } = *stored;
     let [patches, receivers] = [&lit.transport.patch_from_patch, &lit.transport.receiver_from_patch];
     let [patch_rows, receiver_rows] = [kept(patches, how), kept(receivers, how)];
-    let b = radiosity(lit, &patch_rows, direct);
+    let b = radiosity(lit, &patch_rows, direct, exact);
     let irradiance = engine::transport::solve::gather(&receiver_rows, &lit.columns(&b));
     let x = (how.bytes(&patch_rows) + how.bytes(&receiver_rows)) as f64;
     Point {
@@ -78,18 +81,23 @@ fn point(lit: &Lit, direct: &[Vec3], places: &[Option<Place>], truth: &[f64], ho
     }
 }
 
-/// The solution of rows that may have lost their symmetry: by conjugate gradients as far as those come, then by
-/// Gauss-Seidel, which needs none.
-pub fn radiosity(lit: &Lit, rows: &Rows, direct: &[Vec3]) -> Vec<DVec3> {
+/// The solution of rows that may have lost their symmetry, from one of rows like them: by two-level Jacobi, and where
+/// that does not get there by Gauss-Seidel, which always does.
+pub fn radiosity(lit: &Lit, rows: &Rows, direct: &[Vec3], start: &[DVec3]) -> Vec<DVec3> {
     let e = lit.e(rows, direct);
     let system = System { rows, patches: &lit.transport.patches, albedo: &lit.albedo };
-    let mut b = lit.solve(rows, &e);
+    let mut b = vec![DVec3::ZERO; e.len()];
     for c in 0..3 {
         let channel = Channel::of(&system, c);
         let e: Vec<f64> = e.iter().map(|e| e[c]).collect();
-        let start: Vec<f64> = b.iter().map(|b| b[c]).collect();
-        let stop = Stop::at(NEAR, MOST);
-        let solved = solve(Method::GaussSeidel, &channel, &e, Some(&start), &stop, &mut |_| {});
+        let start: Vec<f64> = start.iter().map(|b| b[c]).collect();
+        let near = |method, products| {
+            solve(method, &channel, &e, Some(&start), &Stop::at(NEAR, products), &mut |_| {})
+        };
+        let mut solved = near(Method::TwoLevel, FEW);
+        if !solved.reached {
+            solved = near(Method::GaussSeidel, MOST);
+        }
         b.iter_mut().zip(solved.b).for_each(|(b, solved)| b[c] = solved);
     }
     b

@@ -102,8 +102,9 @@ impl Problem<'_> {
     }
 }
 
-/// An iterate at a rung of the ladder of products, and when it was reached [s].
+/// The first iterate at or above a rung of the ladder of products, and when it was reached [s].
 struct Rung {
+    products: f64,
     seconds: f64,
     b: Vec<f64>,
 }
@@ -125,7 +126,9 @@ fn of_method(problem: &Problem, channels: &[Channel; 3], method: Method, budget:
         let b: Vec<DVec3> =
             (0..problem.e.len()).map(|i| DVec3::from_array(std::array::from_fn(|c| of(c, i)))).collect();
         let times: Vec<f64> = runs.iter().map(|run| 1e3 * at(run, k)).collect();
-        Point { setting: products(1 << k), error: problem.error(&b), ..timed(&times) }
+        let most = runs[0].iter().filter_map(|rungs| rungs.get(k)).map(|rung| rung.products);
+        let setting = products(most.fold(0.0, f64::max).round() as u32);
+        Point { setting, error: problem.error(&b), ..timed(&times) }
     };
     Series { name: method.name().to_owned(), points: (0..rungs).map(point).collect() }
 }
@@ -133,14 +136,17 @@ fn of_method(problem: &Problem, channels: &[Channel; 3], method: Method, budget:
 /// Follows one channel's iterates from darkness; looking at them takes no time.
 fn climb(method: Method, channel: &Channel, e: &[f64], budget: &Budget) -> Vec<Rung> {
     let mut rungs: Vec<Rung> = Vec::new();
-    let (mut seconds, mut resumed) = (0.0, Instant::now());
+    let (mut seconds, mut resumed, mut next) = (0.0, Instant::now(), 1.0);
     let stop = Stop { tolerance: ENOUGH, products: f64::from(MOST) + 1.0, cancelled: &|| budget.is_spent() };
     solve(method, channel, e, None, &stop, &mut |iterate| {
         seconds += resumed.elapsed().as_secs_f64();
         if iterate.products == 0.0 {
             seconds = 0.0; // what is prepared once an albedo is no frame's
-        } else if iterate.products + 1e-9 >= f64::from(1_u32 << rungs.len()) {
-            rungs.push(Rung { seconds, b: iterate.b.to_vec() });
+        } else if iterate.products + 1e-9 >= next {
+            rungs.push(Rung { products: iterate.products, seconds, b: iterate.b.to_vec() });
+            while next <= iterate.products + 1e-9 {
+                next *= 2.0;
+            }
         }
         resumed = Instant::now();
     });

@@ -143,7 +143,7 @@ fn diagram(
             let points: Vec<Point> = PRODUCTS
                 .into_iter()
                 .take_while(|_| !budget.is_spent())
-                .map(|count| of_method(method, channel, played, count))
+                .filter_map(|count| of_method(method, channel, played, count))
                 .collect();
             series.push(Series { name: method.name().to_owned(), points });
         }
@@ -196,28 +196,29 @@ impl Worst {
     }
 }
 
-fn of_method(method: Method, channel: &Channel, played: &[&Played], count: u32) -> Point {
+/// None where the method's first step takes more products.
+fn of_method(method: Method, channel: &Channel, played: &[&Played], count: u32) -> Option<Point> {
     let (mut worst, mut times) = (Worst::default(), Vec::new());
     for played in played {
         let mut b = if played.begins_solved { played.exact[0].clone() } else { vec![0.0; played.e[0].len()] };
         for (t, e) in played.e.iter().enumerate() {
-            times.push(1e3 * step(method, channel, e, &mut b, count));
+            times.push(1e3 * step(method, channel, e, &mut b, count)?);
             worst.see(played, t, b.iter().copied());
         }
     }
-    worst.point(products(count), &times)
+    Some(worst.point(products(count), &times))
 }
 
-/// One frame: so many products from the last one's light. Returns seconds.
-fn step(method: Method, channel: &Channel, e: &[f64], b: &mut Vec<f64>, count: u32) -> f64 {
+/// One frame: so many products from the last one's light. Returns seconds; none where it did not come to a step.
+fn step(method: Method, channel: &Channel, e: &[f64], b: &mut Vec<f64>, count: u32) -> Option<f64> {
     let start = b.clone();
-    let (mut began, mut seconds) = (Instant::now(), 0.0);
+    let (mut began, mut seconds) = (Instant::now(), None);
     let stop = Stop::at(0.0, f64::from(count) + 1.0);
     solve(method, channel, e, Some(&start), &stop, &mut |iterate| {
         if iterate.products == 0.0 {
             began = Instant::now();
         } else if iterate.products <= f64::from(count) + 1e-9 {
-            seconds = began.elapsed().as_secs_f64();
+            seconds = Some(began.elapsed().as_secs_f64());
             b.copy_from_slice(iterate.b);
         }
     });

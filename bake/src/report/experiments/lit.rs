@@ -20,8 +20,8 @@ use crate::directions::{Sobol, cosine_direction, frame, hash, hash_of, unit};
 use crate::emitter::Emitters;
 use crate::holes::AlphaHoles;
 use crate::layout::{Places, RayScene};
-use crate::pipeline::sampled;
-use crate::probe::probe_row;
+use crate::pipeline::{INSIDE, sampled};
+use crate::probe::{ProbeRow, probe_row};
 use crate::query::{Place, nearest_face, ray_scene, receivers_at};
 use crate::rays::{Seen, Tracer};
 use crate::{Opened, Point, Silent};
@@ -210,11 +210,20 @@ impl<'a> Lit<'a> {
 
     /// SH coefficients of the light at a place in the air, by rays of its own.
     pub fn probe(&self, look: &Look, position: Vec3, b: &[DVec3]) -> [DVec3; COEFFICIENTS] {
+        let row = self.probe_row(look, position);
+        std::array::from_fn(|k| row.entries.iter().map(|(column, w)| b[*column as usize] * w[k]).sum())
+    }
+
+    /// A place in the air that is none: most of what it sees are back faces.
+    pub fn is_inside(&self, look: &Look, position: Vec3) -> bool {
+        self.probe_row(look, position).lost > INSIDE
+    }
+
+    fn probe_row(&self, look: &Look, position: Vec3) -> ProbeRow {
         let holes = AlphaHoles::new(&self.transport.surface, &self.opened.scene, &self.opened.assets);
         let tracer = Tracer { scene: &self.rays, bvh: &self.bvh, holes: &holes, watcher: &Silent };
         let key = hash_of(position.to_array().map(|x| u64::from(x.to_bits()))) ^ look.seed;
-        let row = probe_row(&tracer, &look.emitters, position, &look.sobol, look.rays, key);
-        std::array::from_fn(|k| row.entries.iter().map(|(column, w)| b[*column as usize] * w[k]).sum())
+        probe_row(&tracer, &look.emitters, position, &look.sobol, look.rays, key)
     }
 
     /// What such rays need.

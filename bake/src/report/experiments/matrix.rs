@@ -47,7 +47,7 @@ pub fn exactly(
     let receivers = lit.receivers(places);
     let per_ray = seconds_of_a_ray(lit, places);
     let rows = (transport.patches.len() + receivers.len() + places.len()) as f64;
-    let affordable = budget.left() / (2.0 * rows * per_ray).max(1e-12);
+    let affordable = budget.left() / (1.5 * rows * per_ray).max(1e-12);
     let rays = [MOST, MOST / 2, MOST / 4, LEAST].into_iter().find(|&rays| f64::from(rays) <= affordable);
     let Some(rays) = rays else {
         notes.push("the matrix reference was left out: the budget has no time for it".to_owned());
@@ -111,10 +111,10 @@ fn seen(
 
 /// From a few places, on all threads.
 fn seconds_of_a_ray(lit: &Lit, places: &[Option<Place>]) -> f64 {
-    const RAYS: u32 = 1024;
+    const RAYS: u32 = 8192;
     let look = lit.look(RAYS, 0);
     let black = vec![DVec3::ZERO; lit.transport.columns()];
-    let some: Vec<&Place> = places.iter().flatten().take(16).collect();
+    let some: Vec<&Place> = places.iter().flatten().take(8).collect();
     let started = std::time::Instant::now();
     some.par_iter().for_each(|place| {
         lit.gathered(&look, place.position, place.normal, &black);

@@ -27,6 +27,7 @@ use engine::transport::Transport;
 use glam::{DVec3, Vec3};
 
 use self::bakes::{Bakes, Quiet, Recipe};
+use self::bytes::Stored;
 use self::frame::Problem;
 use self::lit::Lit;
 use self::matrix::{Exactly, exactly};
@@ -74,9 +75,9 @@ const FEW: usize = 64;
 
 /// Shares of what is left, in the order of their turns; bakes take the rest.
 const FOR_TRUTH: f64 = 0.3;
-const FOR_MATRIX: f64 = 0.25;
-const FOR_FRAME: f64 = 0.12;
-const FOR_LAG: f64 = 0.2;
+const FOR_MATRIX: f64 = 0.3;
+const FOR_FRAME: f64 = 0.1;
+const FOR_LAG: f64 = 0.12;
 const FOR_BYTES: f64 = 0.12;
 const FOR_RAW: f64 = 0.2;
 
@@ -107,20 +108,27 @@ fn run(
         measured.notes.push(note);
     }
     let truth = truth::trace(opened, &chosen.points, effort.reference, &budget.part(FOR_TRUTH), watcher)?;
-    let lag = lag::diagrams(&lit, &budget.part(FOR_LAG), watcher, &mut measured.notes)?;
     if truth.is_dark() {
         measured
             .notes
             .push("no light reaches any surface: only lag was measured, by lamps of its own".to_owned());
-        measured.diagrams = lag;
+        measured.diagrams = lag::diagrams(&lit, &budget.part(FOR_LAG), watcher, &mut measured.notes)?;
         return Ok(measured);
     }
     let seen = Seen::new(&lit, lit.places(&chosen.points));
     let exactly = seen.exactly(opened, &budget.part(FOR_MATRIX), watcher, &mut measured.notes)?;
+    let lag = lag::diagrams(&lit, &budget.part(FOR_LAG), watcher, &mut measured.notes)?;
     let frame = seen.frame(setup.played.as_ref(), &budget.part(FOR_FRAME), watcher)?;
     let bytes = seen.bytes(&budget.part(FOR_BYTES), watcher)?;
     let shipped = shipped(&setup.transport);
-    measured.split = seen.split(setup, shipped, exactly.as_ref(), &truth, &budget.part(FOR_RAW), watcher)?;
+    let (split, by_seeds) =
+        seen.split(setup, shipped, exactly.as_ref(), &truth, &budget.part(FOR_RAW), watcher)?;
+    measured.split = split;
+    measured.notes.push(format!(
+        "split: with one seed of the path tracer for the parts and the other for the total, {:.1} % of the total are \
+         unexplained: that is how far the seeds are apart",
+        100.0 * by_seeds
+    ));
 
     let presets = bake_time::presets(opened)?;
     let mut bakes = Bakes {
@@ -200,8 +208,8 @@ impl<'a> Seen<'a> {
     }
 
     fn bytes(&self, budget: &Budget, watcher: &dyn Watcher) -> Result<Diagram, BakeError> {
-        let truth = self.lit.shown(&self.exact, &self.places);
-        bytes::diagram(self.lit, &self.direct, &self.places, &truth, budget, watcher)
+        let stored = Stored { lit: self.lit, direct: &self.direct, exact: &self.exact, places: &self.places };
+        bytes::diagram(&stored, budget, watcher)
     }
 
     fn split(
@@ -212,7 +220,7 @@ impl<'a> Seen<'a> {
         truth: &Truth,
         budget: &Budget,
         watcher: &dyn Watcher,
-    ) -> Result<Split, BakeError> {
+    ) -> Result<(Split, f64), BakeError> {
         watcher.stage("split", 2);
         let within = Within { watcher: &Quiet(watcher), budget: *budget };
         let raw = match raw::rows(&setup.opened, shipped, &within) {
@@ -240,9 +248,9 @@ impl<'a> Seen<'a> {
             exactly,
             truth,
         };
-        let mut split = chain.split();
+        let (mut split, by_seeds) = chain.split();
         split.parts.push(probes::part(self.lit, &self.exact));
         watcher.advance(1, 0);
-        Ok(split)
+        Ok((split, by_seeds))
     }
 }

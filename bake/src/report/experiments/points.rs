@@ -8,14 +8,14 @@ use engine::transport::bvh::{Bvh, Holes};
 use glam::{DVec3, Vec3};
 
 use crate::directions::{Sobol, cosine_direction, frame, hash, in_triangle, unit};
+use crate::pipeline::INSIDE;
 use crate::surface::{Surface, Triangle};
 use crate::{Opened, Point};
 
 /// Of all points.
 pub const SEED: u64 = 0x9e01_77a5;
-/// Rays that look about from a point, and the share of back faces beyond which it is inside.
+/// Rays that look about from a point.
 const LOOKS: u32 = 64;
-const INSIDE: f64 = 0.25;
 
 /// Points, and how many more were inside solids.
 pub struct Points {

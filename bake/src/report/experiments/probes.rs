@@ -25,7 +25,9 @@ const AXES: [Vec3; 6] = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Ve
 pub fn part(lit: &Lit, b: &[DVec3]) -> Part {
     let name = "probes (beside the sum)".to_owned();
     let transport = lit.transport;
-    let places = halfway(transport);
+    let look = lit.look(RAYS, SEED);
+    let places: Vec<Vec3> =
+        halfway(transport).into_iter().filter(|&place| !lit.is_inside(&look, place)).collect();
     if places.is_empty() {
         let why = "the scene has no two light probes with light between them".to_owned();
         return Part { name, left_out: Some(why), ..Part::default() };
@@ -33,7 +35,6 @@ pub fn part(lit: &Lit, b: &[DVec3]) -> Part {
     let columns = lit.columns(b);
     let stored = gather(&transport.probe_from_patch, &columns);
     let probes = ProbeField::new(transport);
-    let look = lit.look(RAYS, SEED);
     let both: Vec<([DVec3; 6], [DVec3; 6])> = places
         .par_iter()
         .map(|&place| {

@@ -2,8 +2,9 @@
 //!
 //! A chain of irradiance fields at the same points, from what the player shows to the path tracer; each differs from the
 //! next in one thing, and the difference, a signed field, is that thing's part. Parts add up to the total because fields
-//! do, if nothing is missing: the total is measured by another way, what the GPU gathered at the receivers itself (or,
-//! without a player, the CPU in f32) against the path tracer's other seed.
+//! do, if nothing is missing: the total is measured by another way, from what the GPU gathered at the receivers itself
+//! (or, without a player, the CPU in f32). Both ends meet the same path-traced field, whose own error is told beside; how
+//! far the parts, measured with one seed, miss the total, measured with the other, is told in a note: noise as well.
 
 use engine::transport::solve::{Coarse, TwoLevel};
 use engine::transport::steering::{Measured, Steering};
@@ -50,38 +51,50 @@ pub struct Chain<'a> {
 }
 
 impl Chain<'_> {
-    pub fn split(&self) -> Split {
-        let links = self.links();
-        let mut parts = Vec::new();
-        let mut sum = vec![0.0; self.truth.field.len()];
-        let mut at: Option<(&str, &[f64])> = None;
-        for link in &links {
-            let mut part = Part { name: link.part.to_owned(), ..Part::default() };
-            match (&link.field, at) {
-                (Err(why), _) => part.left_out = Some(why.clone()),
-                (Ok(field), None) => {
-                    at = Some((link.what, field));
-                    continue;
-                }
-                (Ok(field), Some((before, last))) => {
-                    let e = difference(last, field);
-                    part.compared = format!("{before} against {}", link.what);
-                    part.error = self.error(&e);
-                    sum.iter_mut().zip(&e).for_each(|(sum, e)| *sum += e);
-                    at = Some((link.what, field));
-                }
-            }
-            parts.push(part);
-        }
-        let total = difference(&self.shown(), &self.truth.halves[1]);
-        let size = rms(&total);
-        Split {
+    /// And the share of the total that is unexplained where the parts are measured with one seed of the path tracer and
+    /// the total with the other.
+    pub fn split(&self) -> (Split, f64) {
+        let (parts, sum) = self.parts();
+        let shown = self.shown();
+        let total = difference(&shown, &self.truth.field);
+        let [one, other] = &self.truth.halves;
+        let by_one: Vec<f64> =
+            sum.iter().zip(&self.truth.field).zip(one).map(|((sum, mean), one)| sum + mean - one).collect();
+        let by_seeds = missing(&by_one, &difference(&shown, other));
+        let split = Split {
             about: self.about(),
             parts,
             total: self.error(&total),
-            unexplained: if size > 0.0 { rms(&difference(&sum, &total)) / size } else { 0.0 },
+            unexplained: missing(&sum, &total),
             reference_error: self.truth.standard_error,
+        };
+        (split, by_seeds)
+    }
+
+    /// Of all links, and the sum of their fields.
+    fn parts(&self) -> (Vec<Part>, Vec<f64>) {
+        let mut parts = Vec::new();
+        let mut sum = vec![0.0; self.truth.field.len()];
+        let mut last: Option<(&str, Vec<f64>)> = None;
+        for Link { part, what, field } in self.links() {
+            let mut found = Part { name: part.to_owned(), ..Part::default() };
+            match (field, &last) {
+                (Err(why), _) => found.left_out = Some(why),
+                (Ok(field), None) => {
+                    last = Some((what, field));
+                    continue;
+                }
+                (Ok(field), Some((before, from))) => {
+                    let e = difference(from, &field);
+                    found.compared = format!("{before} against {what}");
+                    found.error = self.error(&e);
+                    sum.iter_mut().zip(&e).for_each(|(sum, e)| *sum += e);
+                    last = Some((what, field));
+                }
+            }
+            parts.push(found);
         }
+        (parts, sum)
     }
 
     fn error(&self, field: &[f64]) -> Error {
@@ -94,7 +107,7 @@ impl Chain<'_> {
         format!(
             "Irradiance at {} points, without what comes straight from punctual lights, the scene as it is at its start. \
              Each part is a field, what one switch changes; the fields are added and compared with the total, which is \
-             measured by itself: {shown}, against the path tracer with another seed.",
+             measured by itself: {shown}, against the path tracer.",
             self.places.len()
         )
     }
@@ -110,7 +123,7 @@ impl Chain<'_> {
             .ok_or_else(|| "no player, or nothing to draw with: the chain begins on the CPU".to_owned());
         let iterated = show(self.iterated);
         let exactly = show(&lit.solve(rows, &lit.e(rows, self.direct_exactly)));
-        let raw = self.raw.as_ref().map(|raw| show(&radiosity(lit, raw, self.direct_exactly)));
+        let raw = self.raw.as_ref().map(|raw| show(&radiosity(lit, raw, self.direct_exactly, self.exact)));
         let reference = |field: fn(&Exactly) -> &Vec<f64>| match self.exactly {
             Some(exactly) => Ok(field(exactly).clone()),
             None => Err("no matrix reference: its share lies in discretisation".to_owned()),
@@ -118,7 +131,7 @@ impl Chain<'_> {
         let link = |part, what, field| Link { part, what, field };
         vec![
             link(
-                "",
+                "GPU",
                 "the GPU's radiosity",
                 gpu.map(|gpu| show(&gpu.radiosity[..lit.transport.patches.len()])),
             ),
@@ -137,7 +150,7 @@ impl Chain<'_> {
             link("balance", "rows as their rays counted them", raw.map_err(Clone::clone)),
             link("form factors", "the matrix reference at the receivers", reference(|one| &one.at_receivers)),
             link("reconstruction", "the matrix reference at the points", reference(|one| &one.at_points)),
-            link("discretisation", "the path tracer", Ok(self.truth.halves[0].clone())),
+            link("discretisation", "the path tracer", Ok(self.truth.field.clone())),
         ]
     }
 
@@ -183,6 +196,12 @@ pub fn iterated(lit: &Lit, e: &[DVec3]) -> Vec<DVec3> {
     b.iter().map(|b| b.as_dvec3()).collect()
 }
 
-pub fn rms(field: &[f64]) -> f64 {
+/// rms of what two fields differ by, over the second's.
+fn missing(found: &[f64], wanted: &[f64]) -> f64 {
+    let size = rms(wanted);
+    if size > 0.0 { rms(&difference(found, wanted)) / size } else { 0.0 }
+}
+
+fn rms(field: &[f64]) -> f64 {
     (field.iter().map(|e| e * e).sum::<f64>() / field.len().max(1) as f64).sqrt()
 }
