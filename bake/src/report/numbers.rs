@@ -36,6 +36,7 @@ pub fn milliseconds(value: f64) -> String {
 pub fn quantity(value: f64, unit: &str) -> String {
     match unit {
         "s" => seconds(value),
+        "bytes" => bytes(value),
         "" => plain(value),
         unit => format!("{} {unit}", plain(value)),
     }
