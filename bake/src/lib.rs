@@ -23,6 +23,7 @@ mod split;
 mod surface;
 
 pub mod chain;
+pub mod compress;
 pub mod progress;
 pub mod reference;
 pub mod report;

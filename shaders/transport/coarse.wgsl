@@ -1,8 +1,8 @@
 // The end of a product. With aggregates (room-sized groups of patches), what the bounce has not yet
 // evened out between rooms is solved for directly: with d = next - B,
 //     r = Restricted d        one number an aggregate, channel by channel
-//     c = Inverse r
-//     B = max(next + c[aggregate], E)
+//     c = Inverse r              what irradiance the aggregate lacks
+//     B = max(next + albedo c[aggregate], E)
 // Without aggregates c is 0.
 #import hohlraum::transport::patch::Patch
 
@@ -65,9 +65,10 @@ fn solve(@builtin(local_invocation_index) thread: u32) {
 @group(2) @binding(0) var<storage, read> patches: array<Patch>;
 @group(2) @binding(2) var<storage, read> exitance: array<vec4f>;
 @group(2) @binding(3) var<storage, read> emitted: array<vec4f>;
-@group(2) @binding(4) var<storage, read_write> radiosity: array<vec4f>;
+@group(2) @binding(4) var<storage, read> albedo: array<vec4f>;
+@group(2) @binding(5) var<storage, read_write> radiosity: array<vec4f>;
 /// Radiosity without what patches emit themselves.
-@group(2) @binding(5) var<storage, read_write> bounced: array<vec4f>;
+@group(2) @binding(6) var<storage, read_write> bounced: array<vec4f>;
 @group(3) @binding(1) var<storage, read> correction_now: array<vec4f>;
 
 @compute @workgroup_size(64)
@@ -79,7 +80,7 @@ fn correct(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) gr
     var change = vec3f(0.0);
     // A patch may belong to none.
     if patches[i].aggregate < coarse.aggregates {
-        change = correction_now[patches[i].aggregate].xyz;
+        change = albedo[i].xyz * correction_now[patches[i].aggregate].xyz;
     }
     let b = max(next[i].xyz + change, exitance[i].xyz);
     radiosity[i] = vec4f(b, 0.0);

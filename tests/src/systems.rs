@@ -30,7 +30,7 @@ impl From<Transport> for Geometry {
 }
 
 /// The inside of a box, baked; its walls -x +x -y +y -z +z are batches 0 to 5.
-pub fn baked_box(low: Vec3, high: Vec3, length: f64) -> Geometry {
+pub fn baked_box(low: Vec3, high: Vec3, length: f64) -> Transport {
     let names = ["-x", "+x", "-y", "+y", "-z", "+z"];
     let walls = walls(low, high);
     let surfaces: Vec<(&str, Faces)> = names.into_iter().zip(walls.iter().map(face)).collect();
@@ -38,16 +38,20 @@ pub fn baked_box(low: Vec3, high: Vec3, length: f64) -> Geometry {
     let settings = Settings { rays: Some(1024), patch_length: Some(length), ..Settings::default() };
     let baked = bake(project.path(), None, &settings, &Silent).expect("a bake");
     assert!(baked.transport.certificate.holds(), "{:?}", baked.transport.certificate.statements());
-    baked.transport.into()
+    baked.transport
 }
 
 /// A closed box of 4 x 2.5 x 2 m.
 pub static BOX: LazyLock<Geometry> =
-    LazyLock::new(|| baked_box(Vec3::new(-2.0, 0.0, -1.0), Vec3::new(2.0, 2.5, 1.0), 0.4));
+    LazyLock::new(|| baked_box(Vec3::new(-2.0, 0.0, -1.0), Vec3::new(2.0, 2.5, 1.0), 0.4).into());
+
+/// The same in few patches.
+pub static SMALL_BOX: LazyLock<Geometry> =
+    LazyLock::new(|| baked_box(Vec3::new(-2.0, 0.0, -1.0), Vec3::new(2.0, 2.5, 1.0), 1.0).into());
 
 /// A closed corridor, 20:1:1.
 pub static CORRIDOR: LazyLock<Geometry> =
-    LazyLock::new(|| baked_box(Vec3::ZERO, Vec3::new(20.0, 1.0, 1.0), 0.4));
+    LazyLock::new(|| baked_box(Vec3::ZERO, Vec3::new(20.0, 1.0, 1.0), 0.4).into());
 
 /// The same box without its last wall: what it saw of it is lost to the sky behind.
 pub fn open(geometry: &Geometry) -> Geometry {

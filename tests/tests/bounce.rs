@@ -7,7 +7,7 @@ use engine::transport::Transport;
 use engine::transport::solve::{self, System};
 use glam::{DVec3, Vec3, Vec4};
 use tests::picture::{Studio, gpu};
-use tests::room;
+use tests::{room, systems};
 
 const ALBEDO: f32 = 0.95;
 
@@ -56,7 +56,11 @@ fn apart(a: &[Vec3], b: &[Vec3]) -> f32 {
 }
 
 fn exact(transport: &Transport, e: &[Vec3]) -> Vec<Vec3> {
-    let albedo = vec![Vec3::splat(ALBEDO); transport.patches.len()];
+    exact_of(transport, ALBEDO, e)
+}
+
+fn exact_of(transport: &Transport, albedo: f32, e: &[Vec3]) -> Vec<Vec3> {
+    let albedo = vec![Vec3::splat(albedo); transport.patches.len()];
     let system = System { rows: &transport.patch_from_patch, patches: &transport.patches, albedo: &albedo };
     let scale = largest(e).max(f32::MIN_POSITIVE);
     let wide: Vec<_> = e.iter().map(|e| (*e / scale).as_dvec3()).collect();
@@ -159,6 +163,29 @@ fn two_stages(transport: &Transport, intensity: f32) -> Option<[Vec<Vec3>; 2]> {
         studio.draw(&scene, View::Composite);
     }
     Some([first, radiosity(&studio)])
+}
+
+#[test]
+fn a_corridor_as_stiff_as_may_be_is_solved_as_far_as_f32_can() {
+    let transport = systems::baked_box(Vec3::ZERO, Vec3::new(20.0, 1.0, 1.0), 0.5);
+    for (albedo, gain) in [(0.99, 100.0_f32), (0.9999, 1e4)] {
+        let Some(mut studio) = studio(&transport) else { return };
+        let mut scene = room::scene_of(&transport, |_| Vec3::splat(albedo));
+        let at = DVec3::new(0.5, 0.5, 0.5);
+        scene.entities.push(room::light(100, LightKind::Point, 1.0, at, DVec3::ZERO));
+        let mut frames = 0;
+        while studio.draw(&scene, View::Composite).transport_dispatches > 0 {
+            frames += 1;
+            assert!(frames <= 40, "albedo {albedo}: {:?}", studio.renderer.bound());
+            let (b, e) = (radiosity(&studio), exitance(&studio));
+            assert!(b.iter().zip(&e).all(|(b, e)| b.is_finite() && b.cmpge(*e).all()), "frame {frames}");
+        }
+        let truth = exact_of(&transport, albedo, &exitance(&studio));
+        let error = apart(&radiosity(&studio), &truth) / largest(&truth);
+        let bound = studio.renderer.bound().unwrap();
+        println!("albedo {albedo}: {error:.1e} after {frames} frames, bound {bound:.1e}");
+        assert!(error <= bound && bound <= (4.0 * f32::EPSILON * gain).max(1e-3), "{error} {bound}");
+    }
 }
 
 #[test]

@@ -135,6 +135,43 @@ fn the_solved_light_is_the_exact_solution_and_the_bound_holds() {
 }
 
 #[test]
+fn where_few_bounces_count_the_coarse_correction_is_left_out_and_told() {
+    let Some(gpu) = gpu() else { return };
+    let transport = transport();
+    let mut scene = scene(&transport);
+    let mut studio = studio(gpu, transport.clone(), Summed::ByThread);
+    let told = |studio: &Studio| {
+        studio.renderer.left_out().into_iter().find(|what| what.starts_with("coarse correction"))
+    };
+    studio.settle(&scene, View::Composite);
+    assert_eq!(told(&studio), None);
+    // The same walls in dark paint, on the way and solved.
+    scene.materials.iter_mut().for_each(|material| material.albedo.color *= 0.3);
+    let drawn = studio.draw(&scene, View::Composite);
+    assert_eq!(told(&studio).as_deref(), Some("coarse correction: few bounces count"));
+    let bytes = studio.renderer.bytes();
+    assert!(bytes.iter().any(|&(what, bytes)| what == "coarse correction" && bytes == 0), "{bytes:?}");
+    assert!(drawn.products >= 2);
+    let n = transport.patches.len();
+    let albedo = of_patches(&transport, &scene, &studio.assets).albedo;
+    let system = System { rows: &transport.patch_from_patch, patches: &transport.patches, albedo: &albedo };
+    let mut radiosity = read(&studio, &studio.renderer.spaces().radiosity, n);
+    for _ in 0..3 {
+        let drawn = studio.draw(&scene, View::Composite);
+        let exitance = read(&studio, &studio.renderer.spaces().exitance, n);
+        for _ in 0..drawn.products {
+            TwoLevel { system: &system, coarse: &Coarse::default() }.step(&exitance, &mut radiosity);
+        }
+        let on_gpu = read(&studio, &studio.renderer.spaces().radiosity, n);
+        assert!(apart(&on_gpu, &radiosity) < 1e-5, "{}", apart(&on_gpu, &radiosity));
+    }
+    // Bright again: it comes back.
+    scene.materials.iter_mut().for_each(|material| material.albedo.color /= 0.3);
+    studio.settle(&scene, View::Composite);
+    assert_eq!(told(&studio), None);
+}
+
+#[test]
 fn a_probe_reads_what_the_cpu_gathers() {
     let Some(gpu) = gpu() else { return };
     let mut transport = transport();

@@ -40,7 +40,7 @@ pub struct Solved {
 impl Renderer {
     /// The error of B is at most this share of the largest B.
     pub fn bound(&self) -> Option<f32> {
-        Some(self.steering.measured()?.bound(self.sources.known_gain()))
+        Some(self.steering.measured()?.bound(self.sources.cavity_gain()))
     }
 
     /// Cubemaps of baked reflection probes, from disk.
@@ -190,7 +190,7 @@ impl Renderer {
             left_out.push("reflection cubemaps: nothing smooth, or no probe and no sky".to_owned());
         }
         if self.coarse.bytes == 0 {
-            left_out.push("coarse correction: few bounces count".to_owned());
+            left_out.push(format!("coarse correction: {}", self.sources.choice().why));
         }
         left_out
     }

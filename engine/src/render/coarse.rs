@@ -23,7 +23,7 @@ pub struct CoarseUniform {
 }
 
 /// The most aggregates: one workgroup solves for them.
-pub const MOST: usize = GROUP as usize;
+const MOST: usize = GROUP as usize;
 
 pub struct Coarse {
     restrict: wgpu::ComputePipeline,
@@ -47,7 +47,7 @@ impl Coarse {
         let layouts = [
             layout(&[Read, Read]),
             layout(&[Uniform, Read, Write, Read, Write]),
-            layout(&[Read, Read, Read, Read, Write, Write]),
+            layout(&[Read, Read, Read, Read, Read, Write, Write]),
             layout(&[Uniform, Read]),
         ];
         let pipeline = |entry, light: usize, own: usize| {
@@ -73,6 +73,7 @@ impl Coarse {
                     &spaces.next,
                     &spaces.exitance,
                     &spaces.emitted,
+                    &spaces.albedo,
                     &spaces.radiosity,
                     &spaces.bounced,
                 ],
@@ -84,7 +85,8 @@ impl Coarse {
         })
     }
 
-    /// No aggregates: no correction. Done again when albedo changes.
+    /// No aggregates: no correction, and a product ends with one dispatch instead of three. Done again when albedo
+    /// changes.
     pub fn set(&mut self, gpu: &Gpu, coarse: &solve::Coarse) -> Result<(), GpuError> {
         gpu.fits("coarse correction", coarse.restricted.len() as u64 * 16)?;
         // One workgroup solves: more aggregates than it has threads are as good as none.

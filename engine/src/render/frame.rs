@@ -194,12 +194,11 @@ impl Renderer {
         let scene_layout = shadows.scene_layout();
         let renderer = Self {
             samples: settings.samples.unwrap_or_else(|| targets::most_samples(gpu_ref)),
-            settings,
             timer: Timer::new(gpu_ref),
             meshes: Meshes::default(),
             still: StillBuffers::new(gpu_ref, &transport)?,
             instances: Instances::new(gpu_ref, &transport),
-            sources: Sources::new(transport.clone(), settings.unlimited_gain),
+            sources: Sources::new(transport.clone(), &settings),
             direct: Direct::new(
                 gpu_ref,
                 library,
@@ -237,6 +236,7 @@ impl Renderer {
             seen: (Seen::default(), 0),
             moved: 0,
             transport,
+            settings,
             gpu,
         };
         renderer.gpu.check()?;

@@ -37,9 +37,9 @@ impl Renderer {
             self.steering.put_out();
             self.spaces.forget_bounced(encoder);
         }
-        let gain = self.sources.cavity_gain(self.settings.wait);
+        let (gain, choice) = (self.sources.cavity_gain(), self.sources.choice());
         // Where there are no patches nothing is measured, and nothing is to be solved.
-        let asked = self.settings.products.unwrap_or_else(|| self.steering.products(gain));
+        let asked = self.settings.products.unwrap_or_else(|| self.steering.products(gain, &choice));
         let products = if self.spaces.patch_count == 0 { 0 } else { asked };
         let tag = (self.steering.version(), self.sources.unit());
         dispatches += self.bounce.run(encoder, timer, &self.coarse, products, tag);

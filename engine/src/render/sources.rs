@@ -1,10 +1,11 @@
 //! What patches are made of and what they and the sky emit, followed on the CPU and sent to the GPU where it
-//! changed; and the cavity gain, which follows from albedo.
+//! changed; and the cavity gain, which follows from albedo, and decides how the light is iterated.
 
 use std::sync::{Arc, mpsc};
 
 use glam::Vec3;
 
+use super::Settings;
 use super::coarse::Coarse;
 use super::frame::Now;
 use super::spaces::Spaces;
@@ -12,21 +13,21 @@ use super::unit;
 use crate::gpu::{Gpu, GpuError};
 use crate::scene::Sky;
 use crate::transport::materials::{PatchMaterials, of_patches};
-use crate::transport::solve::{self, System};
+use crate::transport::solve::{self, Choice, Method, System, choose_for_frames};
 use crate::transport::{Transport, sky};
-
-/// Below it, a few bounces are all there is, and the coarse correction is left out.
-const GAIN_FOR_COARSE: f32 = 4.0;
 
 pub struct Sources {
     transport: Arc<Transport>,
     unlimited_gain: bool,
+    /// Wait for what is solved for on another thread.
+    wait: bool,
     held: Option<Held>,
     /// Of the unit of radiosity.
     exponent: i32,
     gain: f32,
     /// A better one, being solved for on another thread.
     coming: Option<mpsc::Receiver<f32>>,
+    choice: Choice,
 }
 
 /// As it was followed last.
@@ -49,8 +50,18 @@ pub struct Changed {
 }
 
 impl Sources {
-    pub fn new(transport: Arc<Transport>, unlimited_gain: bool) -> Self {
-        Self { transport, unlimited_gain, held: None, exponent: 0, gain: 1.0, coming: None }
+    pub fn new(transport: Arc<Transport>, settings: &Settings) -> Self {
+        let choice = choose_for_frames(&transport.patch_from_patch, &transport.patches, 1.0);
+        Self {
+            transport,
+            unlimited_gain: settings.unlimited_gain,
+            wait: settings.wait,
+            held: None,
+            exponent: 0,
+            gain: 1.0,
+            coming: None,
+            choice,
+        }
     }
 
     /// Follows materials and sky. `brightest`: of punctual lights, and of what still bounces [W/m2].
@@ -82,6 +93,7 @@ impl Sources {
             spaces.set_albedo(gpu, &held.materials.albedo);
             self.follow_albedo(gpu, &held.materials.albedo, coarse)?;
         }
+        self.follow_gain(gpu, coarse)?;
         let exponent = unit::exponent(self.exponent, brightest.max(held.brightest()));
         if exponent != self.exponent {
             // In steps that are no overflow themselves: what was stored is near 1.
@@ -125,8 +137,9 @@ impl Sources {
         let rows = &self.transport.patch_from_patch;
         self.gain = stand_in(&self.transport, albedo);
         let system = System { rows, patches: &self.transport.patches, albedo };
-        let needed = self.gain > GAIN_FOR_COARSE;
-        coarse.set(gpu, &if needed { solve::Coarse::new(&system) } else { solve::Coarse::default() })?;
+        self.choice = self.chosen();
+        let corrected = self.choice.method == Method::TwoLevel;
+        coarse.set(gpu, &if corrected { solve::Coarse::new(&system) } else { solve::Coarse::default() })?;
         let (sender, receiver) = mpsc::channel();
         let (transport, albedo) = (self.transport.clone(), albedo.to_vec());
         std::thread::spawn(move || {
@@ -141,22 +154,36 @@ impl Sources {
         Ok(())
     }
 
-    /// Cavity gain: solved for where that is done (`wait`: in any case), else what stands in for it.
-    pub fn cavity_gain(&mut self, wait: bool) -> f32 {
-        let come = self
-            .coming
-            .as_ref()
-            .and_then(|coming| if wait { coming.recv().ok() } else { coming.try_recv().ok() });
-        if let Some(gain) = come {
-            // Solved to seven digits; a little is added to be on the safe side.
-            self.gain = self.gain.min(gain * 1.001);
-            self.coming = None;
+    /// Takes the gain that was solved for, if it is there: it is smaller than what stood in for it, and may show that
+    /// no correction is needed.
+    fn follow_gain(&mut self, gpu: &Gpu, coarse: &mut Coarse) -> Result<(), GpuError> {
+        let Some(coming) = &self.coming else { return Ok(()) };
+        let come = if self.wait { coming.recv().ok() } else { coming.try_recv().ok() };
+        let Some(gain) = come else { return Ok(()) };
+        self.coming = None;
+        // Solved to seven digits; a little is added to be on the safe side.
+        self.gain = self.gain.min(gain * 1.001);
+        let chosen = self.chosen();
+        let before = std::mem::replace(&mut self.choice, chosen);
+        if self.choice.method == Method::Jacobi && before.method == Method::TwoLevel {
+            coarse.set(gpu, &solve::Coarse::default())?;
         }
+        Ok(())
+    }
+
+    /// The largest: solved for where that is done, else what stands in for it.
+    pub fn cavity_gain(&self) -> f32 {
         self.gain
     }
 
-    pub fn known_gain(&self) -> f32 {
-        self.gain
+    fn chosen(&self) -> Choice {
+        let transport = &self.transport;
+        choose_for_frames(&transport.patch_from_patch, &transport.patches, f64::from(self.gain))
+    }
+
+    /// How frames iterate.
+    pub fn choice(&self) -> Choice {
+        self.choice
     }
 }
 

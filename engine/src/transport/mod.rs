@@ -38,6 +38,7 @@ pub mod stale;
 pub mod steering;
 pub mod surface;
 pub mod tetrahedra;
+pub mod tree;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
@@ -48,6 +49,7 @@ pub use depths::Depths;
 pub use occluders::Occluders;
 pub use rows::Rows;
 pub use surface::{Batch, Surface, Vertex};
+pub use tree::Tree;
 
 /// "No patch": a side that nothing reflects from or emits.
 pub const NONE: u32 = u32::MAX;

@@ -6,12 +6,13 @@
 
 use std::time::Instant;
 
-use engine::transport::solve::{Channel, Coarse, Method, Stop, TwoLevel, cavity_gain, solve};
-use engine::transport::steering::{FIRST, Measured, TOLERANCE};
+use engine::transport::solve::{Channel, Method, Stop, cavity_gain, solve};
+use engine::transport::steering::{Measured, TOLERANCE};
 use glam::{DVec3, Vec3};
 
 use super::bake_time::timed;
 use super::lit::Lit;
+use super::runtime::Runtime;
 use crate::report::Budget;
 use crate::report::model::{Axis, Diagram, Error, Floor, Norm, Point, Series};
 use crate::report::player::Played;
@@ -46,7 +47,8 @@ pub fn diagram(
     let system = problem.lit.system(rows);
     let channels: [Channel; 3] = std::array::from_fn(|channel| Channel::of(&system, channel));
     let gain = channels.iter().map(|channel| channel.largest_gain).fold(1.0, f64::max);
-    let mut series = vec![by_product(problem), by_tolerance(problem, gain)];
+    let runtime = Runtime::new(&system, gain);
+    let mut series = vec![by_product(problem, &runtime), by_tolerance(problem, &runtime)];
     watcher.advance(1, 0);
     for (k, method) in Method::all().into_iter().enumerate() {
         if watcher.cancelled() {
@@ -56,7 +58,7 @@ pub fn diagram(
         series.push(of_method(problem, &channels, method, &part));
         watcher.advance(1, 0);
     }
-    series.extend(played.and_then(|played| of_gpu(problem, played)));
+    series.extend(played.and_then(|played| of_gpu(problem, played, runtime.first())));
     series.retain(|series| !series.points.is_empty());
     Ok(Diagram {
         id: "frame".to_owned(),
@@ -154,51 +156,53 @@ fn climb(method: Method, channel: &Channel, e: &[f64], budget: &Budget) -> Vec<R
 }
 
 /// The runtime's iteration, product by product.
-fn by_product(problem: &Problem) -> Series {
-    let ladder = [1_u32, 2, 4, 8, FIRST, 32];
+fn by_product(problem: &Problem, runtime: &Runtime) -> Series {
+    let first = runtime.first();
+    let mut ladder = vec![1, 2, 4, 8, 16, 32, first];
+    ladder.sort_unstable();
+    ladder.dedup();
     let point = |&count: &u32| {
-        let (b, times) = runtime(problem, |step, _| step >= count);
-        let preset = (count == FIRST).then(|| "runtime".to_owned());
+        let (b, times) = run(problem, runtime, |step, _| step >= count);
+        let preset = (count == first).then(|| "runtime".to_owned());
         Point { setting: products(count), error: problem.error(&b), preset, ..timed(&times) }
     };
-    Series { name: "runtime's iteration, f32".to_owned(), points: ladder.iter().map(point).collect() }
+    let name = format!("runtime's {}, f32", runtime.choice.method.name());
+    Series { name, points: ladder.iter().map(point).collect() }
 }
 
 /// The same until its bound is small enough, as the runtime asks.
-fn by_tolerance(problem: &Problem, gain: f64) -> Series {
+fn by_tolerance(problem: &Problem, runtime: &Runtime) -> Series {
     let point = |&tolerance: &f32| {
         let mut taken = 0;
-        let (b, times) = runtime(problem, |step, measured| {
+        let (b, times) = run(problem, runtime, |step, measured| {
             taken = step;
-            step >= MOST || (step > 0 && measured.bound(gain as f32) <= tolerance)
+            step >= MOST || (step > 0 && measured.bound(runtime.gain) <= tolerance)
         });
         let preset = (tolerance == TOLERANCE).then(|| "runtime".to_owned());
         let setting = format!("tolerance {tolerance:.0e}, {}", products(taken));
         Point { setting, error: problem.error(&b), preset, ..timed(&times) }
     };
-    let reachable = |tolerance: &&f32| f64::from(**tolerance) > 2.0 * ROUNDING * gain;
+    let reachable = |tolerance: &&f32| **tolerance > 16.0 * ROUNDING as f32 * runtime.gain;
     let points = TOLERANCES.iter().filter(reachable).map(point).collect();
-    Series { name: "runtime's iteration until its bound says so".to_owned(), points }
+    Series { name: "runtime's, until its bound says so".to_owned(), points }
 }
 
-/// Runs until told to stop after so many steps and with what the last one measured; milliseconds of every run.
-fn runtime(problem: &Problem, mut stop: impl FnMut(u32, Measured) -> bool) -> (Vec<DVec3>, Vec<f64>) {
-    let system = problem.lit.system(&problem.lit.transport.patch_from_patch);
-    let coarse = Coarse::new(&system);
-    let iteration = TwoLevel { system: &system, coarse: &coarse };
+/// Until told to stop after so many products and with what the last one measured; milliseconds of every run.
+fn run(
+    problem: &Problem,
+    runtime: &Runtime,
+    mut stop: impl FnMut(u32, Measured) -> bool,
+) -> (Vec<DVec3>, Vec<f64>) {
     let e: Vec<Vec3> = problem.e.iter().map(|e| e.as_vec3()).collect();
-    let exitance = e.iter().fold(0.0_f32, |max, e| max.max(e.max_element()));
     let mut times = Vec::new();
     let mut b = Vec::new();
     for _ in 0..RUNS {
         b = e.clone();
         let started = Instant::now();
+        let mut measured = runtime.frame(&e, &mut b, 0, 0);
         let mut step = 0;
-        let mut measured = Measured { version: 0, residual: f32::INFINITY, largest: 1.0, exitance };
         while !stop(step, measured) {
-            let residual = iteration.step(&e, &mut b);
-            let largest = b.iter().fold(0.0_f32, |max, b| max.max(b.max_element()));
-            measured = Measured { residual, largest, ..measured };
+            measured = runtime.frame(&e, &mut b, 1, 0);
             step += 1;
         }
         times.push(1e3 * started.elapsed().as_secs_f64());
@@ -207,7 +211,7 @@ fn runtime(problem: &Problem, mut stop: impl FnMut(u32, Measured) -> bool) -> (V
 }
 
 /// The player's sweep: its bounce, from darkness. Its E is its own, and so is the solution it is compared with.
-fn of_gpu(problem: &Problem, played: &Played) -> Option<Series> {
+fn of_gpu(problem: &Problem, played: &Played, first: u32) -> Option<Series> {
     let lit = problem.lit;
     let n = problem.e.len();
     let point = |swept: &crate::report::player::Swept| {
@@ -220,7 +224,7 @@ fn of_gpu(problem: &Problem, played: &Played) -> Option<Series> {
             (0..n).map(|i| light.exitance[i] + lit.albedo[i].as_dvec3() * from_sky[i]).collect();
         let exact = lit.solve(&lit.transport.patch_from_patch, &e);
         let error = error_of(&light.radiosity[..n], &exact, &problem.areas());
-        let preset = (swept.products == FIRST).then(|| "runtime".to_owned());
+        let preset = (swept.products == first).then(|| "runtime".to_owned());
         let x = Point { x: swept.milliseconds, x_range: swept.range, runs: swept.frames, ..Point::default() };
         Some(Point { setting: products(swept.products), error, preset, ..x })
     };

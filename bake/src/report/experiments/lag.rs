@@ -8,13 +8,14 @@
 
 use std::time::Instant;
 
-use engine::transport::solve::{Channel, Coarse, Method, Stop, System, TwoLevel, solve};
+use engine::transport::solve::{Channel, Method, Stop, System, solve};
 use engine::transport::steering::{Measured, Steering};
 use glam::Vec3;
 
 use super::bake_time::timed;
 use super::frame::{milliseconds, products};
 use super::lit::Lit;
+use super::runtime::Runtime;
 use super::script::{Script, scripts};
 use crate::report::Budget;
 use crate::report::model::{Axis, Diagram, Error, Norm, Point, Series};
@@ -134,10 +135,10 @@ fn diagram(
 ) -> Diagram {
     let mut series = Vec::new();
     if !played.is_empty() {
-        let coarse = Coarse::new(system);
+        let runtime = Runtime::new(system, channel.largest_gain);
         series.push(Series {
-            name: "runtime's rule, f32, three channels at once".to_owned(),
-            points: vec![of_runtime(system, &coarse, channel.largest_gain, played)],
+            name: format!("runtime's rule, {}, f32, three channels", runtime.choice.method.name()),
+            points: vec![of_runtime(&runtime, played)],
         });
         for method in METHODS {
             let points: Vec<Point> = PRODUCTS
@@ -226,9 +227,8 @@ fn step(method: Method, channel: &Channel, e: &[f64], b: &mut Vec<f64>, count: u
 }
 
 /// Products by the bound that was measured two frames before, as the runtime has it.
-fn of_runtime(system: &System, coarse: &Coarse, gain: f64, played: &[&Played]) -> Point {
+fn of_runtime(runtime: &Runtime, played: &[&Played]) -> Point {
     let (mut worst, mut times, mut spent) = (Worst::default(), Vec::new(), 0);
-    let iteration = TwoLevel { system, coarse };
     let splat = |values: &[f64]| -> Vec<Vec3> { values.iter().map(|&x| Vec3::splat(x as f32)).collect() };
     for played in played {
         let dark = vec![0.0; played.e[0].len()];
@@ -241,16 +241,16 @@ fn of_runtime(system: &System, coarse: &Coarse, gain: f64, played: &[&Played]) -
                 steering.change();
             }
             t.checked_sub(2).and_then(|t| measured[t]).into_iter().for_each(|known| steering.receive(known));
-            let wanted = if t == 0 && played.begins_solved { 2 } else { steering.products(gain as f32) };
+            let wanted = if t == 0 && played.begins_solved {
+                2
+            } else {
+                steering.products(runtime.gain, &runtime.choice)
+            };
             let e = splat(e);
             let started = Instant::now();
-            let mut residual = 0.0;
-            (0..wanted).for_each(|_| residual = iteration.step(&e, &mut b));
+            let now = runtime.frame(&e, &mut b, wanted, steering.version());
             times.push(1e3 * started.elapsed().as_secs_f64());
             spent += wanted;
-            let most = |values: &[Vec3]| values.iter().fold(0.0_f32, |max, v| max.max(v.x));
-            let now =
-                Measured { version: steering.version(), residual, largest: most(&b), exitance: most(&e) };
             measured.push((wanted > 0).then_some(now));
             worst.see(played, t, b.iter().map(|b| f64::from(b.x)));
         }

@@ -16,6 +16,7 @@ mod points;
 mod probes;
 mod quantise;
 mod raw;
+mod runtime;
 mod script;
 mod split;
 mod truth;
@@ -31,6 +32,7 @@ use self::bytes::Stored;
 use self::frame::Problem;
 use self::lit::Lit;
 use self::matrix::{Exactly, exactly};
+use self::runtime::Runtime;
 use self::split::{Chain, MANY_SAMPLES};
 use self::truth::Truth;
 use super::Budget;
@@ -207,6 +209,12 @@ impl<'a> Seen<'a> {
         frame::diagram(&problem, played, budget, watcher)
     }
 
+    /// What the runtime's iteration ends with.
+    fn settled(&self) -> Vec<DVec3> {
+        let system = self.lit.system(&self.lit.transport.patch_from_patch);
+        Runtime::new(&system, frame::largest_gain(self.lit)).settled(&self.e)
+    }
+
     fn bytes(&self, budget: &Budget, watcher: &dyn Watcher) -> Result<Diagram, BakeError> {
         let stored = Stored { lit: self.lit, direct: &self.direct, exact: &self.exact, places: &self.places };
         bytes::diagram(&stored, budget, watcher)
@@ -242,7 +250,7 @@ impl<'a> Seen<'a> {
             places: &self.places,
             direct_exactly: &self.direct_exactly,
             exact: &self.exact,
-            iterated: &split::iterated(self.lit, &self.e),
+            iterated: &self.settled(),
             gpu: setup.played.as_ref().and_then(|played| played.light.as_ref()).filter(fits),
             raw,
             exactly,

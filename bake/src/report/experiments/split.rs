@@ -6,13 +6,10 @@
 //! (or, without a player, the CPU in f32). Both ends meet the same path-traced field, whose own error is told beside; how
 //! far the parts, measured with one seed, miss the total, measured with the other, is told in a note: noise as well.
 
-use engine::transport::solve::{Coarse, TwoLevel};
-use engine::transport::steering::{Measured, Steering};
 use engine::transport::{Rows, Transport};
 use glam::{DVec3, Vec3};
 
 use super::bytes::radiosity;
-use super::frame::largest_gain;
 use super::lit::{Lit, difference, weights};
 use super::matrix::Exactly;
 use super::truth::Truth;
@@ -22,8 +19,6 @@ use crate::report::player::GpuLight;
 
 /// Places on a patch where direct light is taken for the truth.
 pub const MANY_SAMPLES: u32 = 256;
-/// Frames after which light that stands still is as solved as it gets.
-const FRAMES: usize = 200;
 
 /// One field of the chain, or why it is missing.
 struct Link {
@@ -171,29 +166,6 @@ fn gathered_in_f32(transport: &Transport, values: &[DVec3]) -> Vec<DVec3> {
     let row =
         |i: usize| -> Vec3 { rows.row(i).map(|(column, weight)| values[column as usize] * weight).sum() };
     (0..rows.len()).map(|i| row(i).as_dvec3()).collect()
-}
-
-/// What the runtime ends with once light stands still: f32, products by its own rule, until it asks for none.
-pub fn iterated(lit: &Lit, e: &[DVec3]) -> Vec<DVec3> {
-    let system = lit.system(&lit.transport.patch_from_patch);
-    let coarse = Coarse::new(&system);
-    let iteration = TwoLevel { system: &system, coarse: &coarse };
-    let gain = largest_gain(lit) as f32;
-    let e: Vec<Vec3> = e.iter().map(|e| e.as_vec3()).collect();
-    let most = |values: &[Vec3]| values.iter().fold(0.0_f32, |max, value| max.max(value.max_element()));
-    let mut b = e.clone();
-    let mut steering = Steering::default();
-    for _ in 0..FRAMES {
-        let products = steering.products(gain);
-        if products == 0 {
-            break;
-        }
-        let mut residual = 0.0;
-        (0..products).for_each(|_| residual = iteration.step(&e, &mut b));
-        let version = steering.version();
-        steering.receive(Measured { version, residual, largest: most(&b), exitance: most(&e) });
-    }
-    b.iter().map(|b| b.as_dvec3()).collect()
 }
 
 /// rms of what two fields differ by, over the second's.

@@ -15,8 +15,8 @@ use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
 use super::System;
-use super::inverse::{inverse, times};
-use super::matrix::Matrix;
+use super::inverse::{dot, inverse, times};
+use super::matrix::{Matrix, WORTH_THREADS};
 use crate::transport::NONE;
 
 /// For the runtime: f32, three channels at once.
@@ -31,14 +31,17 @@ pub struct Coarse {
 
 impl Coarse {
     pub fn new(system: &System) -> Self {
-        let levels: [Level; 3] = std::array::from_fn(|channel| Level::new(&Matrix::of(system, channel)));
+        let level = |channel: usize| Level::new(&Matrix::of(system, channel));
+        let grey = system.albedo.iter().all(|albedo| albedo.x == albedo.y && albedo.y == albedo.z);
+        let levels = if grey { vec![level(0)] } else { (0..3).map(level).collect() };
+        let levels = [0, 1, 2].map(|channel| &levels[channel.min(levels.len() - 1)]);
         // An aggregate that is black in one channel is there in others.
         let m = levels.iter().map(|level| level.m).max().unwrap_or(0);
-        let [red, green, blue] = &levels;
+        let [red, green, blue] = levels;
         let n = system.patches.len();
         let at = |level: &Level, k: usize| level.restricted.get(k).map_or(0.0, |&x| x as f32);
         let restricted = (0..m * n).map(|k| Vec4::new(at(red, k), at(green, k), at(blue, k), 0.0)).collect();
-        Self { m, restricted, inverse: levels.each_ref().map(|level| level.inverse_of(m)) }
+        Self { m, restricted, inverse: levels.map(|level| level.inverse_of(m)) }
     }
 
     /// Aggregates' corrections for a change B' - B: what irradiance they lack.
@@ -94,11 +97,13 @@ impl Level {
 
     /// c = inverse (restricted change).
     pub fn correction(&self, change: &[f64], sums: &mut [f64], c: &mut [f64]) {
-        sums.par_iter_mut().zip(self.restricted.par_chunks_exact(change.len().max(1))).for_each(
-            |(sum, row)| {
-                *sum = row.iter().zip(change).map(|(r, change)| r * change).sum();
-            },
-        );
+        let n = change.len().max(1);
+        let restrict = |(sum, row): (&mut f64, &[f64])| *sum = dot(row, change);
+        if self.restricted.len() < WORTH_THREADS {
+            sums.iter_mut().zip(self.restricted.chunks_exact(n)).for_each(restrict);
+        } else {
+            sums.par_iter_mut().zip(self.restricted.par_chunks_exact(n)).for_each(restrict);
+        }
         times(&self.inverse, sums, c);
     }
 

@@ -72,6 +72,10 @@ impl Iteration for ConjugateGradients<'_> {
             r[i] -= alpha * self.image[i];
         }
         self.before = Some(now);
-        Left::Estimated(1.0)
+        Left::Estimated
+    }
+
+    fn costs(&self) -> f64 {
+        1.0
     }
 }

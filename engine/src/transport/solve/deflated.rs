@@ -14,7 +14,7 @@
 
 use rayon::prelude::*;
 
-use super::inverse::{inverse, times};
+use super::inverse::{dot, inverse, times};
 use super::matrix::Matrix;
 use crate::transport::NONE;
 
@@ -66,7 +66,7 @@ impl Deflation {
         times(&self.inverse, &self.sums, &mut self.c);
         self.add(1.0, b);
         for (r, q) in r.iter_mut().zip(self.q.chunks_exact(self.c.len().max(1))) {
-            *r -= q.iter().zip(&self.c).map(|(q, c)| q * c).sum::<f64>();
+            *r -= dot(q, &self.c);
         }
     }
 

@@ -36,6 +36,10 @@ impl Iteration for GaussSeidel<'_> {
             r[i] = change / (1.0 - self.own[i]).max(f64::EPSILON);
             b[i] += r[i];
         }
-        Left::Estimated(1.0)
+        Left::Estimated
+    }
+
+    fn costs(&self) -> f64 {
+        1.0
     }
 }

@@ -33,8 +33,21 @@ pub(super) fn inverse(mut a: Vec<f64>, m: usize) -> Vec<f64> {
 /// y = M x, M of x.len() columns, row-major.
 pub(super) fn times(matrix: &[f64], x: &[f64], y: &mut [f64]) {
     for (y, row) in y.iter_mut().zip(matrix.chunks_exact(x.len().max(1))) {
-        *y = row.iter().zip(x).map(|(a, x)| a * x).sum();
+        *y = dot(row, x);
     }
+}
+
+/// Four sums at once, so that additions overlap.
+pub(super) fn dot(a: &[f64], x: &[f64]) -> f64 {
+    let ((a, last_a), (x, last_x)) = (a.as_chunks::<4>(), x.as_chunks::<4>());
+    let mut sums = [0.0; 4];
+    for (a, x) in a.iter().zip(x) {
+        for k in 0..4 {
+            sums[k] += a[k] * x[k];
+        }
+    }
+    let last: f64 = last_a.iter().zip(last_x).map(|(a, x)| a * x).sum();
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + last
 }
 
 #[cfg(test)]

@@ -44,7 +44,7 @@ impl<'a> Channel<'a> {
 pub struct Stop<'a> {
     /// Of the bound of the error, as a share of the largest |B|.
     pub tolerance: f64,
-    /// At most so many products, but one: without it nothing would be known of the start.
+    /// At most so many products, but one in any case: without it nothing would be known of the start.
     pub products: f64,
     /// Asked after every product.
     pub cancelled: &'a (dyn Fn() -> bool + Sync),
@@ -107,8 +107,8 @@ const LARGEST: f64 = 1e120;
 pub(super) enum Left {
     /// Not known: the next product is spent on it.
     Unknown,
-    /// So many products were spent; `r` is as near to it as recursion gets, or above it.
-    Estimated(f64),
+    /// `r` is as near to it as recursion gets, or above it.
+    Estimated,
     /// Nothing more can be done.
     Stuck,
 }
@@ -117,6 +117,11 @@ pub(super) enum Left {
 pub(super) trait Iteration {
     /// Moves B on. `r`: its residual, measured or as left last time.
     fn advance(&mut self, b: &mut [f64], r: &mut [f64]) -> Left;
+
+    /// Products that this costs, besides the one that measures.
+    fn costs(&self) -> f64 {
+        0.0
+    }
 
     /// `r` has just been measured: what recursion carried along no longer fits it.
     fn restart(&mut self) {}
@@ -181,7 +186,7 @@ impl Run<'_> {
             // Recursion that brings nothing any more has met the rounding of the rows.
             let settled = matches!(steps, Steps::Many) && size >= 0.5 * before;
             let last = settled || matches!(steps, Steps::Last);
-            if last || (self.near)(&r, &b) || self.must_stop(products) {
+            if last || (self.near)(&r, &b) || self.must_stop(products + iteration.costs()) {
                 return Ended { b, r, products };
             }
             before = size;
@@ -202,25 +207,24 @@ impl Run<'_> {
         iteration.restart();
         loop {
             let left = iteration.advance(b, r);
-            if let Left::Estimated(spent) = left {
-                *products += spent;
-            }
+            *products += iteration.costs();
             observe(&Iterate { products: *products, b });
             match left {
                 Left::Unknown => return Steps::One,
                 Left::Stuck => return Steps::Last,
-                Left::Estimated(_) => {}
+                Left::Estimated => {}
             }
             let size = largest(r);
-            // One product is kept for measuring.
-            if (self.near)(r, b) || !(size > far && size.is_finite()) || self.must_stop(*products + 1.0) {
+            let measure = !(size > far && size.is_finite()) || self.must_stop(*products + iteration.costs());
+            if measure || (self.near)(r, b) {
                 return Steps::Many;
             }
         }
     }
 
+    /// Once so many are spent, is there none left to measure with?
     fn must_stop(&self, products: f64) -> bool {
-        products >= self.products || (self.cancelled)()
+        products + 1.0 > self.products || (self.cancelled)()
     }
 }
 

@@ -10,7 +10,7 @@ use super::System;
 use crate::transport::{NONE, Patch, Rows};
 
 /// Entries below which threads cost more than they bring.
-const WORTH_THREADS: usize = 1 << 15;
+pub(super) const WORTH_THREADS: usize = 1 << 17;
 
 /// I - R P of one channel.
 pub struct Matrix<'a> {
@@ -83,7 +83,7 @@ impl<'a> Matrix<'a> {
     /// Sum_j P_ij x_j.
     pub(super) fn gathered(&self, i: usize, x: &[f64]) -> f64 {
         let (columns, weights) = self.row(i);
-        dot(columns, weights, x)
+        weigh(columns, weights, x)
     }
 
     /// out_i = f(i, Sum_j P_ij x_j): one product.
@@ -113,7 +113,7 @@ impl<'a> Matrix<'a> {
     }
 }
 
-fn dot(columns: &[u32], weights: &[f32], x: &[f64]) -> f64 {
+fn weigh(columns: &[u32], weights: &[f32], x: &[f64]) -> f64 {
     let (columns, last_columns) = columns.as_chunks::<4>();
     let (weights, last_weights) = weights.as_chunks::<4>();
     let mut sums = [0.0; 4];

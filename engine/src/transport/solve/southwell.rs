@@ -28,6 +28,10 @@ impl<'a> Southwell<'a> {
         Self { matrix, areas, reflects }
     }
 
+    fn shots(&self) -> usize {
+        self.areas.len().div_ceil(STEPS)
+    }
+
     fn shoot(&self, b: &mut [f64], r: &mut [f64]) {
         let (mut brightest, mut most) = (0, 0.0);
         for (i, (r, area)) in r.iter().zip(&self.areas).enumerate() {
@@ -49,8 +53,11 @@ impl<'a> Southwell<'a> {
 
 impl Iteration for Southwell<'_> {
     fn advance(&mut self, b: &mut [f64], r: &mut [f64]) -> Left {
-        let shots = b.len().div_ceil(STEPS);
-        (0..shots).for_each(|_| self.shoot(b, r));
-        Left::Estimated(shots as f64 / b.len() as f64)
+        (0..self.shots()).for_each(|_| self.shoot(b, r));
+        Left::Estimated
+    }
+
+    fn costs(&self) -> f64 {
+        self.shots() as f64 / self.areas.len().max(1) as f64
     }
 }

@@ -1,0 +1,141 @@
+//! Receivers' rows as cuts through a tree over the patches: what it saves, and what it costs in light.
+
+use bake::compress::{CutRows, cut_rows, deviations, marked, one_ray};
+use bake::{Settings, Silent, bake};
+use engine::scene::file::{Quality, load_scene};
+use engine::scene::import::load_assets;
+use engine::transport::solve::{System, exact, gather};
+use engine::transport::{Transport, materials};
+use glam::{DVec3, Vec3};
+use tests::project::TestProject;
+use tests::source::workspace;
+
+struct Box {
+    transport: Transport,
+    /// By patch.
+    marked: Vec<bool>,
+    /// Radiosity of all columns, by light.
+    lit: Vec<(&'static str, Vec<DVec3>)>,
+}
+
+fn cornell(quality: Quality, rays: Option<u32>) -> Box {
+    let project = TestProject::copy_of(&workspace().join("projects/cornell"));
+    let settings = Settings { quality: Some(quality), rays, ..Settings::default() };
+    let transport = bake(project.path(), None, &settings, &Silent).unwrap().transport;
+    let scene = load_scene(project.path(), "cornell").unwrap();
+    let (assets, _) = load_assets(project.path(), &scene).unwrap();
+    let made_of = materials::of_patches(&transport, &scene, &assets);
+    let n = transport.patches.len();
+    let system =
+        System { rows: &transport.patch_from_patch, patches: &transport.patches, albedo: &made_of.albedo };
+    let solved = |e: &dyn Fn(usize) -> DVec3| -> Vec<DVec3> {
+        let mut b = exact(&system, &(0..n).map(e).collect::<Vec<_>>(), 1e-8);
+        b.resize(transport.columns(), DVec3::ZERO);
+        b
+    };
+    let on = |lit: bool| if lit { DVec3::ONE } else { DVec3::ZERO };
+    let patches = &transport.patches;
+    let [low, high] =
+        [f32::min, f32::max].map(|pick| patches.iter().map(|patch| patch.centre.x).reduce(pick));
+    let middle = 0.5 * (low.unwrap() + high.unwrap());
+    let ground = patches.iter().map(|patch| patch.centre.y).fold(f32::INFINITY, f32::min);
+    let on_floor = |i: usize| patches[i].normal.y > 0.9 && patches[i].centre.y < ground + 0.01;
+    let spot = Vec3::new(middle, ground, low.unwrap());
+    let nearest = (0..n)
+        .filter(|&i| on_floor(i))
+        .min_by(|&a, &b| patches[a].centre.distance(spot).total_cmp(&patches[b].centre.distance(spot)));
+    let lit = vec![
+        ("own light", solved(&|i| made_of.exitance[i].as_dvec3())),
+        ("half the floor", solved(&|i| on(on_floor(i) && patches[i].centre.x < middle))),
+        ("one patch", solved(&|i| on(Some(i) == nearest))),
+    ];
+    Box { marked: marked(&scene, &transport), lit, transport }
+}
+
+/// rms of the difference over receivers, as a share of the mean.
+fn apart(transport: &Transport, a: &[DVec3], b: &[DVec3]) -> f64 {
+    let valid = || transport.receivers.iter().zip(a.iter().zip(b)).filter(|(r, _)| r.valid > 0.5);
+    let n = 3.0 * valid().count() as f64;
+    let mean = valid().map(|(_, (_, b))| b.element_sum()).sum::<f64>() / n;
+    let square = valid().map(|(_, (a, b))| (*a - *b).length_squared()).sum::<f64>() / n;
+    square.sqrt() / mean
+}
+
+/// What cut rows miss of whole ones, by light.
+fn missed(cornell: &Box, cut: &CutRows) -> Vec<f64> {
+    let transport = &cornell.transport;
+    let of = |b: &Vec<DVec3>| {
+        apart(transport, &cut.gather(transport, b), &gather(&transport.receiver_from_patch, b))
+    };
+    cornell.lit.iter().map(|(_, b)| of(b)).collect()
+}
+
+/// `cargo test -p tests --test compression -- --nocapture` prints bytes against error.
+fn figures(cornell: &Box) {
+    let Box { transport, marked, lit } = cornell;
+    let rows = &transport.receiver_from_patch;
+    let names: Vec<_> = lit.iter().map(|lit| lit.0).collect();
+    println!(
+        "{}: {} patches, {} receivers, {:.1} entries a row, {:.2} MB; % of the mean for {names:?}",
+        transport.certificate.quality,
+        transport.patches.len(),
+        rows.len(),
+        rows.entries() as f64 / rows.len() as f64,
+        rows.bytes() as f64 * 1e-6,
+    );
+    for in_rays in [0.25, 0.5, 0.7, 1.0, 1.4, 2.0, 4.0] {
+        let cut = cut_rows(rows, transport, marked, in_rays * one_ray(transport));
+        let bound = deviations(transport, rows, &cut).iter().sum::<f64>() / rows.len() as f64;
+        println!(
+            "  {in_rays:.2} rays: {:.1} entries a row, {:.2} MB, 1/{:.2}; {:.3?} %; sum of deviations {bound:.3}",
+            cut.rows.entries() as f64 / rows.len() as f64,
+            cut.bytes() as f64 * 1e-6,
+            rows.entries() as f64 / cut.rows.entries() as f64,
+            missed(cornell, &cut).iter().map(|error| error * 100.0).collect::<Vec<_>>(),
+        );
+    }
+}
+
+#[test]
+fn a_third_of_a_draft_and_half_of_a_standard_box_is_saved_for_a_quarter_percent() {
+    for (quality, shrinks) in [(Quality::Draft, 1.6), (Quality::Standard, 2.0)] {
+        let cornell = cornell(quality, None);
+        figures(&cornell);
+        let rows = &cornell.transport.receiver_from_patch;
+        let cut = cut_rows(rows, &cornell.transport, &cornell.marked, one_ray(&cornell.transport));
+        let missed = missed(&cornell, &cut);
+        let shrunk = rows.entries() as f64 / cut.rows.entries() as f64;
+        assert!(shrunk > shrinks, "{quality}: {shrunk}");
+        assert!(missed[0] < 0.0025 && missed[1] < 0.006, "{quality}: {missed:?}");
+    }
+}
+
+/// What is merged is mostly noise: against rows of 16 times as many rays, one bright patch comes out no worse.
+#[test]
+fn cut_rows_are_about_as_near_the_truth_as_whole_ones() {
+    let cornell = cornell(Quality::Draft, None);
+    let truth = self::cornell(Quality::Draft, Some(16384)).transport;
+    let transport = &cornell.transport;
+    assert_eq!(truth.receivers, transport.receivers);
+    let rows = &transport.receiver_from_patch;
+    let cut = cut_rows(rows, transport, &cornell.marked, one_ray(transport));
+    for ((name, b), grows) in cornell.lit.iter().zip([1.25, 1.1, 1.0]) {
+        let exact = gather(&truth.receiver_from_patch, b);
+        let whole = apart(transport, &gather(rows, b), &exact);
+        let merged = apart(transport, &cut.gather(transport, b), &exact);
+        println!("{name}: whole rows {:.3} %, cut rows {:.3} %", whole * 100.0, merged * 100.0);
+        assert!(merged < grows * whole, "{name}: {merged} against {whole}");
+    }
+}
+
+#[test]
+fn a_furnace_stays_even() {
+    let cornell = cornell(Quality::Draft, None);
+    let transport = &cornell.transport;
+    let rows = &transport.receiver_from_patch;
+    let cut = cut_rows(rows, transport, &cornell.marked, 4.0 * one_ray(transport));
+    let ones = vec![DVec3::ONE; transport.columns()];
+    for (row, h) in cut.gather(transport, &ones).iter().enumerate() {
+        assert!((h.x - rows.sum(row)).abs() <= 1e-7, "{row}: {h}");
+    }
+}
