@@ -27,11 +27,12 @@ pub fn split(split: &Split) -> Result<Vec<u8>, BakeError> {
         let numbers = numbers(error);
         [&[part.to_owned(), compared.to_owned()], &numbers[..], &[left_out.to_owned()]].concat()
     };
-    let parts = split.parts.iter().map(|part| {
+    let of = |part: &super::model::Part| {
         row(&part.name, &part.compared, &part.error, part.left_out.as_deref().unwrap_or_default())
-    });
+    };
+    let parts = |apart: bool| split.parts.iter().filter(move |part| part.is_apart == apart).map(of);
     let total = row("total", "what the player shows against the reference", &split.total, "");
-    table("part,compared,rms,bias,p99,max,left_out", parts.chain([total]))
+    table("part,compared,rms,bias,p99,max,left_out", parts(false).chain([total]).chain(parts(true)))
 }
 
 pub fn advice(advice: &[Advice]) -> Result<Vec<u8>, BakeError> {

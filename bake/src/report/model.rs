@@ -151,6 +151,8 @@ pub struct Part {
     pub error: Error,
     /// Why it was not measured; its error is then 0 and its share lies in another part that is named here.
     pub left_out: Option<String>,
+    /// A field of its own, at other places: it stands beside the sum.
+    pub is_apart: bool,
 }
 
 /// What to change, and what that brings, from measured points.

@@ -36,6 +36,7 @@ pub fn milliseconds(value: f64) -> String {
 pub fn quantity(value: f64, unit: &str) -> String {
     match unit {
         "s" => seconds(value),
+        "bytes" => bytes(value),
         "" => plain(value),
         unit => format!("{} {unit}", plain(value)),
     }
@@ -84,7 +85,7 @@ fn digits(value: f64, count: i32) -> String {
     }
     let minus = |text: String| text.replace('-', "\u{2212}");
     match exponent {
-        -5..=6 => {
+        -3..=6 => {
             let step = 10f64.powi(exponent - count + 1);
             let places = (count - 1 - exponent).max(0) as usize;
             minus(format!("{:.places$}", (value / step).round() * step))

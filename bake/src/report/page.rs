@@ -6,7 +6,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::ReportSettings;
 use super::files::Told;
-use super::model::{Diagram, Point, Report, Split};
+use super::model::{Diagram, Part, Point, Report, Split};
 use super::numbers::{bytes, factor, milliseconds, plain, quantity, seconds, share, signed_share};
 use super::plot::Plot;
 use super::sentences;
@@ -72,7 +72,7 @@ fn tiles(report: &Report) -> Vec<(String, &'static str)> {
     }
     tiles.push((bytes(certificate.bytes as f64), "on disk"));
     tiles.push((factor(certificate.cavity_gain), "cavity gain"));
-    if let Some(frame) = &report.frame {
+    if let Some(frame) = report.frame.as_ref().filter(|frame| !frame.passes.is_empty()) {
         let sum = frame.passes.iter().map(|pass| pass.median).sum();
         tiles.push((milliseconds(sum), "a frame, all passes"));
     }
@@ -80,6 +80,7 @@ fn tiles(report: &Report) -> Vec<(String, &'static str)> {
 }
 
 fn split(split: &Split, plot: Option<&Plot>) -> Markup {
+    let parts = |apart: bool| split.parts.iter().filter(move |part| part.is_apart == apart);
     html! {
         p { (split.about) }
         @if let Some(plot) = plot { (drawn(plot)) }
@@ -87,20 +88,25 @@ fn split(split: &Split, plot: Option<&Plot>) -> Markup {
             table {
                 thead { tr { th { "part" } th { "what differs" } th.n { "rms" } th.n { "signed mean" } th.n { "p99" } th.n { "max" } } }
                 tbody {
-                    @for part in &split.parts {
-                        @if let Some(why) = &part.left_out {
-                            tr.pale { td { (part.name) } td { (part.compared) } td colspan="4" { "not measured: " (why) } }
-                        } @else {
-                            tr { td { (part.name) } td { (part.compared) } (numbers(&part.error)) }
-                        }
-                    }
+                    @for part in parts(false) { (part_row(part)) }
                     tr.total { td { "total" } td { "what the player shows against the reference" } (numbers(&split.total)) }
+                    @for part in parts(true) { (part_row(part)) }
                 }
             }
         }
         p.small {
             "The parts' fields, added point by point, miss the total's field by " (share(split.unexplained))
             " of its rms. The reference's standard error is " (share(split.reference_error)) " of the mean."
+        }
+    }
+}
+
+fn part_row(part: &Part) -> Markup {
+    let beside = if part.is_apart { " (beside the sum)" } else { "" };
+    html! {
+        @match &part.left_out {
+            Some(why) => tr.pale { td { (part.name) (beside) } td { (part.compared) } td colspan="4" { "not measured: " (why) } }
+            None => tr { td { (part.name) (beside) } td { (part.compared) } (numbers(&part.error)) }
         }
     }
 }
@@ -202,7 +208,7 @@ fn presets(told: &Told) -> Markup {
                     }
                 }
             }
-            p.small { "On the front: no other measured point gives the same error for 13 % less cost, or 13 % less error for the same." }
+            p.small { "On the front: within 15 % of it, in cost or in error; between measured points the front is interpolated." }
         }
     }
 }

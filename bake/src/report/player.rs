@@ -1,8 +1,8 @@
 //! What only the player can say: the scene's picture, milliseconds on the GPU, and the light that the GPU solved.
 //!
-//! It is run from beside this program's own executable, without a window, once for the picture, once with all motion,
-//! and twice for every number of products: a single frame from darkness for the light, many for the time. Where it is
-//! missing or cannot draw, the report says so and goes on.
+//! It is run from beside this program's own executable, without a window: for the light, for the picture, twice for every
+//! number of products (a single frame from darkness for the light, many for the time), and once with all motion. Where it is missing
+//! or cannot draw, the report says so and goes on.
 
 mod child;
 mod light;
@@ -23,17 +23,18 @@ use crate::{BakeError, Watcher};
 const SIZE: &str = "960x540";
 /// Where the picture does not matter.
 const SMALL: &str = "16x16";
-/// Until reflections have settled.
-const STILL_FRAMES: &str = "40";
-/// A second with all motion.
-const LIVE_FRAMES: &str = "60";
+/// Until light and reflections have settled.
+const STILL_FRAMES: u32 = 24;
+/// Half a second with all motion.
+const LIVE_FRAMES: &str = "30";
 const TIMED_FRAMES: usize = 24;
 /// The widest spread first: what the time does not allow for is missing between them.
 const PRODUCTS: [u32; 9] = [1, 16, 4, 8, 2, 3, 6, 12, 24];
 
-/// Of the time that is left, what each of the first two runs may take.
-const FOR_PICTURE: f64 = 0.6;
-const FOR_LIVE: f64 = 0.5;
+/// Of the time that is left when its turn comes, what each may take.
+const FOR_LIGHT: f64 = 0.5;
+const FOR_PICTURE: f64 = 0.5;
+const FOR_PRODUCTS: f64 = 0.6;
 
 /// What the player showed and said.
 #[derive(Clone, Debug, Default)]
@@ -74,23 +75,24 @@ pub fn play(
     budget: &Budget,
     watcher: &dyn Watcher,
 ) -> Result<(Option<Played>, Vec<String>), BakeError> {
-    watcher.stage("player", 2 + PRODUCTS.len() as u64);
+    watcher.stage("player", 3 + 2 * PRODUCTS.len() as u64);
     let child = match Child::new(project, scene) {
         Ok(child) => child,
         Err(why) => return Ok((None, vec![format!("no picture and no times on the GPU: {why}")])),
     };
     let run = Run { child, transport, watcher };
-    let mut notes = Vec::new();
-    let mut played = match run.still(&budget.part(FOR_PICTURE))? {
+    let mut played = match run.solved(&budget.part(FOR_LIGHT))? {
         Ok(played) => played,
         Err(why) => return Ok((None, vec![format!("no picture and no times on the GPU: {why}")])),
     };
-    match run.live(&budget.part(FOR_LIVE))? {
-        Ok(said) => said.times(&mut played),
-        Err(why) => notes.push(format!("times of passes are those of a still scene: {why}")),
+    let mut notes = Vec::new();
+    match run.picture(&budget.part(FOR_PICTURE))? {
+        Ok(picture) => played.picture = Some(picture),
+        Err(why) => notes.push(format!("no picture: {why}")),
     }
+    let for_products = budget.part(FOR_PRODUCTS);
     for products in PRODUCTS {
-        match run.swept(products, budget)? {
+        match run.swept(products, &for_products)? {
             Ok(swept) => played.sweep.push(swept),
             Err(why) => {
                 notes.push(format!("{products} products a frame were not measured on the GPU: {why}"));
@@ -99,6 +101,10 @@ pub fn play(
         }
     }
     played.sweep.sort_by_key(|swept| swept.products);
+    match run.live(budget)? {
+        Ok(said) => said.times(&mut played),
+        Err(why) => notes.push(format!("no times of the moving scene on the GPU: {why}")),
+    }
     Ok((Some(played), notes))
 }
 
@@ -112,24 +118,36 @@ struct Run<'a> {
 type Said<T> = Result<Result<T, String>, BakeError>;
 
 impl Run<'_> {
-    /// The scene as it is at the start, until nothing changes any more.
-    fn still(&self, budget: &Budget) -> Said<Played> {
-        let args = ["--frames", STILL_FRAMES, "--every", STILL_FRAMES, "--fixed-dt", "0", "--size", SIZE];
-        let outputs = ["--out", "pictures", "--stats", "stats.json", "--light", "light.csv"];
-        Ok(self.run(&[&args[..], &outputs[..]].concat(), budget)?.and_then(|()| {
-            let mut played = Played::default();
-            let said: Statistics = self.statistics()?;
-            played.bound = said.bound.iter().rev().copied().flatten().next();
-            said.times(&mut played);
-            let last =
-                self.child.file("pictures/").join(format!("frame_{:05}.png", frames(STILL_FRAMES) - 1));
-            played.picture = Some(std::fs::read(last).map_err(|error| format!("no picture: {error}"))?);
-            played.light = Some(self.light()?);
-            Ok(played)
+    /// The light of the scene as it is at the start, and what it was solved with.
+    fn solved(&self, budget: &Budget) -> Said<Played> {
+        let args = ["--stats", "stats.json", "--light", "light.csv", "--size", SMALL];
+        Ok(self.still(&args, budget)?.and_then(|()| {
+            let said = self.statistics()?;
+            Ok(Played {
+                bound: said.bound.iter().rev().copied().flatten().next(),
+                on_gpu: said.timing == "gpu",
+                adapter: said.adapter,
+                light: Some(self.light()?),
+                ..Played::default()
+            })
         }))
     }
 
-    /// A second in which everything moves that does.
+    fn picture(&self, budget: &Budget) -> Said<Vec<u8>> {
+        let last = STILL_FRAMES.to_string();
+        let args = ["--out", "pictures", "--every", &last, "--size", SIZE];
+        let file = self.child.file(&format!("pictures/frame_{:05}.png", STILL_FRAMES - 1));
+        let read = || std::fs::read(file).map_err(|error| error.to_string());
+        Ok(self.still(&args, budget)?.and_then(|()| read()))
+    }
+
+    /// The scene as it is at the start, until nothing changes any more.
+    fn still(&self, args: &[&str], budget: &Budget) -> Said<()> {
+        let frames = STILL_FRAMES.to_string();
+        self.run(&[&["--frames", &frames, "--fixed-dt", "0"], args].concat(), budget)
+    }
+
+    /// Half a second in which everything moves that does.
     fn live(&self, budget: &Budget) -> Said<Statistics> {
         let args =
             ["--frames", LIVE_FRAMES, "--fixed-dt", "0.016666667", "--size", SIZE, "--stats", "stats.json"];
@@ -175,10 +193,6 @@ impl Run<'_> {
         let light = GpuLight::read(&text).map_err(|error| format!("its light is not understood: {error}"))?;
         light.fits(self.transport).then_some(light).ok_or_else(|| "its light is of another bake".to_owned())
     }
-}
-
-fn frames(text: &str) -> u32 {
-    text.parse().unwrap_or(1)
 }
 
 /// What is read of `--stats`.

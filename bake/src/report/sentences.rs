@@ -32,7 +32,8 @@ fn total(report: &Report) -> Option<String> {
 }
 
 fn parts(report: &Report) -> Option<String> {
-    let mut parts: Vec<&Part> = report.split.parts.iter().filter(|part| part.left_out.is_none()).collect();
+    let in_sum = |part: &&Part| part.left_out.is_none() && !part.is_apart;
+    let mut parts: Vec<&Part> = report.split.parts.iter().filter(in_sum).collect();
     parts.sort_by(|a, b| b.error.rms.total_cmp(&a.error.rms));
     let named: Vec<String> =
         parts.iter().take(3).map(|part| format!("{} ({})", part.name, share(part.error.rms))).collect();
@@ -65,7 +66,7 @@ fn bake(report: &Report) -> String {
 const LIGHT: [&str; 5] = ["direct", "bounce", "gather", "dering", "objects"];
 
 fn frame(report: &Report) -> Option<String> {
-    let frame = report.frame.as_ref()?;
+    let frame = report.frame.as_ref().filter(|frame| !frame.passes.is_empty())?;
     let sum = |names: Option<&[&str]>| -> f64 {
         let counted =
             frame.passes.iter().filter(|pass| names.is_none_or(|names| names.contains(&&*pass.name)));

@@ -23,14 +23,14 @@ const AXES: [Vec3; 6] = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Ve
 
 /// `b`: solved, by patch.
 pub fn part(lit: &Lit, b: &[DVec3]) -> Part {
-    let name = "probes (beside the sum)".to_owned();
+    let name = "light probes".to_owned();
     let transport = lit.transport;
     let look = lit.look(RAYS, SEED);
     let places: Vec<Vec3> =
         halfway(transport).into_iter().filter(|&place| !lit.is_inside(&look, place)).collect();
     if places.is_empty() {
         let why = "the scene has no two light probes with light between them".to_owned();
-        return Part { name, left_out: Some(why), ..Part::default() };
+        return Part { name, left_out: Some(why), is_apart: true, ..Part::default() };
     }
     let columns = lit.columns(b);
     let stored = gather(&transport.probe_from_patch, &columns);
@@ -58,6 +58,7 @@ pub fn part(lit: &Lit, b: &[DVec3]) -> Part {
         ),
         error: Error::of(&found, &fresh, &weights(&fresh)),
         left_out: None,
+        is_apart: true,
     }
 }
 

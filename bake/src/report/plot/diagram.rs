@@ -18,13 +18,16 @@ const BOTTOM: f64 = SIZE[1] - 58.0;
 const RAIL: f64 = 14.0;
 const ABOVE_RAIL: f64 = 34.0;
 
+/// Beyond the outermost medians, a whisker has so much room and is cut off there.
+const WHISKER: f64 = 2.0;
+
 const TEXT: f64 = 13.5;
 const GRID: Color = [0xd9, 0xdd, 0xe2];
 const FINE_GRID: Color = [0xef, 0xf1, 0xf4];
 const PARETO: Color = [0xf3, 0xdf, 0x9a];
 
-/// Told apart by the colour-blind too (Okabe and Ito 2008), the pale yellow left out.
-pub const COLORS: [Color; 7] = [
+/// Told apart by the colour-blind too (Okabe and Ito 2008, without the pale yellow; two of Tol 2021).
+pub const COLORS: [Color; 9] = [
     [0x00, 0x72, 0xb2],
     [0xd5, 0x5e, 0x00],
     [0x00, 0x9e, 0x73],
@@ -32,6 +35,8 @@ pub const COLORS: [Color; 7] = [
     [0x56, 0xb4, 0xe9],
     [0xe6, 0x9f, 0x00],
     [0x4a, 0x4a, 0x4a],
+    [0x33, 0x22, 0x88],
+    [0x99, 0x99, 0x33],
 ];
 
 /// Where things are.
@@ -74,11 +79,14 @@ impl Frame {
             .collect();
         let has_rail = points.iter().any(|(_, at)| at[1] == 0.0);
         let bottom = if has_rail { BOTTOM - ABOVE_RAIL } else { BOTTOM };
-        let xs = points.iter().flat_map(|(point, at)| [at[0], point.x_range[0], point.x_range[1]]);
+        let medians = || points.iter().map(|(_, at)| at[0]);
+        let (low, high) = (medians().fold(f64::MAX, f64::min), medians().fold(0.0, f64::max));
+        let whiskers = points.iter().flat_map(|(point, _)| point.x_range);
+        let whiskers = whiskers.map(|x| x.max(low / WHISKER).min(high * WHISKER));
         let errors = points.iter().map(|(_, at)| at[1]);
         let floors = diagram.floors.iter().map(|floor| floor.y);
         Self {
-            x: Scale::of(xs, [LEFT, RIGHT]),
+            x: Scale::of(medians().chain(whiskers), [LEFT, RIGHT]),
             y: Scale::of(errors.chain(floors), [bottom, top]),
             top,
             rail: has_rail.then_some(BOTTOM - RAIL),
@@ -118,7 +126,9 @@ fn legend(sheet: &mut Sheet, diagram: &Diagram, top: f64) -> f64 {
 }
 
 fn axes(sheet: &mut Sheet, diagram: &Diagram, frame: &Frame) {
-    let (xs, ys) = (frame.x.ticks(scale::number), frame.y.ticks(scale::share));
+    let is_bytes = diagram.x.unit == "bytes";
+    let xs = frame.x.ticks(if is_bytes { scale::bytes } else { scale::number });
+    let ys = frame.y.ticks(scale::share);
     let along = |tick: &Tick| [[tick.at, frame.top], [tick.at, BOTTOM]];
     let across = |tick: &Tick| [[LEFT, tick.at], [RIGHT, tick.at]];
     for decades in [false, true] {
@@ -144,7 +154,11 @@ fn axes(sheet: &mut Sheet, diagram: &Diagram, frame: &Frame) {
 }
 
 fn axis(axis: &super::super::model::Axis) -> String {
-    if axis.unit.is_empty() { axis.label.clone() } else { format!("{} [{}]", axis.label, axis.unit) }
+    if axis.unit.is_empty() || axis.unit == "bytes" {
+        axis.label.clone()
+    } else {
+        format!("{} [{}]", axis.label, axis.unit)
+    }
 }
 
 /// From each point of the front the error stays as it is until the next one.
@@ -174,6 +188,7 @@ fn curve(sheet: &mut Sheet, diagram: &Diagram, series: &Series, k: usize, frame:
         if let [Some(from), Some(to)] = range.map(|x| frame.x.at(x))
             && to - from > 2.0
         {
+            let [from, to] = [from, to].map(|x| x.clamp(LEFT, RIGHT));
             sheet.line(&[[from, at[1]], [to, at[1]]], color(k), 1.0);
             [from, to]
                 .iter()

@@ -89,6 +89,17 @@ pub fn share(value: f64) -> String {
     if value < 0.9e-4 { number(value) } else { format!("{} %", number(100.0 * value)) }
 }
 
+/// 5 MB
+pub fn bytes(value: f64) -> String {
+    let (unit, name) = match value {
+        ..0.9e3 => (1.0, "B"),
+        ..0.9e6 => (1e3, "kB"),
+        ..0.9e9 => (1e6, "MB"),
+        _ => (1e9, "GB"),
+    };
+    format!("{} {name}", number(value / unit))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

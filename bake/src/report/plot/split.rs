@@ -43,13 +43,7 @@ pub fn sheet(split: &Split, titled: bool) -> Sheet {
     let half = (WIDTH - MARGIN - first - GAP) / 2.0;
     let (rms, bias) = ([first, first + half], [first + half + GAP, WIDTH - MARGIN]);
     sheet.text([rms[0], top - 20.0], "rms over mean", TEXT, PALE_INK, Align::Left);
-    sheet.text(
-        [bias[0], top - 20.0],
-        "signed mean over mean, adding up to the total",
-        TEXT,
-        PALE_INK,
-        Align::Left,
-    );
+    sheet.text([bias[0], top - 20.0], "signed mean, adding up", TEXT, PALE_INK, Align::Left);
     let (rms_scale, bias_scale) = (rms_scale(&rows, rms), bias_scale(&rows, bias));
     let zero = bias_scale(0.0);
     let (first_row, last_row) = (top, top + ROW * rows.len() as f64);
@@ -73,6 +67,7 @@ fn rows(split: &Split) -> Vec<Row<'_>> {
     let mut rows: Vec<Row> = split
         .parts
         .iter()
+        .filter(|part| !part.is_apart)
         .map(|part| {
             let from = reached;
             reached += finite(part.error.bias);

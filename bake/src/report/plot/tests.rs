@@ -44,9 +44,12 @@ pub fn example_split() -> Split {
         compared: "one and the other".to_owned(),
         error: Error { rms, bias, p99: 3.0 * rms, max: 9.0 * rms },
         left_out: None,
+        is_apart: false,
     };
     let left_out = Part { left_out: Some("no GPU".to_owned()), ..part("GPU against CPU", 0.0, 0.0) };
-    let parts = vec![part("discretisation", 0.012, -0.004), part("form factors", 0.003, 0.0015), left_out];
+    let probes = Part { is_apart: true, ..part("light probes", 1.4, 0.17) };
+    let parts =
+        vec![part("discretisation", 0.012, -0.004), part("form factors", 0.003, 0.0015), left_out, probes];
     let total = part("", 0.0124, -0.0025).error;
     Split { parts, total, ..Split::default() }
 }
@@ -109,6 +112,24 @@ fn both_files_show_the_sheet() {
 }
 
 #[test]
+fn one_run_that_took_for_ever_does_not_stretch_the_axis() {
+    let mut slow = example();
+    slow.series[0].points[0].x_range = [1e-9, 1e9];
+    let sheet = diagram::sheet(&slow, true);
+    assert_on_sheet(&sheet, "slow");
+    assert!(!texts(&sheet).iter().any(|text| text.contains("10⁻⁵")), "{:?}", texts(&sheet));
+}
+
+#[test]
+fn bytes_are_told_in_their_units() {
+    let mut bytes = example();
+    bytes.x.unit = "bytes".to_owned();
+    bytes.series.iter_mut().flat_map(|series| &mut series.points).for_each(|point| point.x *= 1e7);
+    let texts = diagram::sheet(&bytes, true);
+    assert!(self::texts(&texts).contains(&"1 MB"), "{texts:?}");
+}
+
+#[test]
 fn errors_of_nothing_lie_on_a_rail_below_all_others() {
     let mut none = example();
     none.series[0].points[4].error = Error::default();
@@ -161,6 +182,7 @@ fn the_split_shows_every_part_its_numbers_and_the_total() {
     {
         assert!(texts.contains(&text), "{text} in {texts:?}");
     }
+    assert!(!texts.contains(&"light probes"), "what is beside the sum is not in its picture: {texts:?}");
     assert_on_sheet(&sheet, "split");
     assert!(of_split(&example_split()).unwrap().svg.contains("+0.15 %"));
 }
