@@ -53,7 +53,7 @@ pub fn part(lit: &Lit, b: &[DVec3]) -> Part {
     Part {
         name,
         compared: format!(
-            "light read halfway between {} pairs of neighbours against fresh probe rows there: a field of its own",
+            "light read halfway between {} pairs of neighbours against fresh probe rows there",
             places.len()
         ),
         error: Error::of(&found, &fresh, &weights(&fresh)),
