@@ -1,7 +1,7 @@
 //! What is measured, one file an experiment.
 //!
 //! All of them look at the same points under the scene's own light, as it is at the start. Each gets a share of the time
-//! that is left when its turn comes; what is dear comes last and takes what there is, cheap points first. Seeds are
+//! that is left when its turn comes; bakes come last and take what there is, cheap points first. Seeds are
 //! fixed: errors repeat bit for bit where the same points were reached, times do not.
 
 mod advice;
@@ -79,13 +79,15 @@ const FEW: usize = 64;
 /// Cavity gain beyond which paths are long, and time is better spent on few points.
 const STIFF: f64 = 20.0;
 
-/// Shares of what is left, in the order of their turns; bakes take the rest.
-const FOR_TRUTH: f64 = 0.3;
-const FOR_MATRIX: f64 = 0.3;
-const FOR_FRAME: f64 = 0.1;
-const FOR_LAG: f64 = 0.12;
-const FOR_BYTES: f64 = 0.12;
-const FOR_RAW: f64 = 0.2;
+/// Of the time, what is not for bakes; they come last and take what there is then.
+const FOR_OTHERS: f64 = 0.6;
+/// Shares of what is left of that, in the order of their turns.
+const FOR_TRUTH: f64 = 0.35;
+const FOR_MATRIX: f64 = 0.45;
+const FOR_LAG: f64 = 0.25;
+const FOR_FRAME: f64 = 0.3;
+const FOR_BYTES: f64 = 0.35;
+const FOR_RAW: f64 = 0.5;
 
 pub fn all(setup: &Setup, budget: &Budget, watcher: &dyn Watcher) -> Result<Measured, BakeError> {
     let points = if budget.left() < SHORT { FEW } else { EFFORT.points };
@@ -105,23 +107,24 @@ fn run(
         return Ok(measured);
     }
     let opened = &setup.opened;
+    let others = budget.part(FOR_OTHERS);
     let lit = Lit::new(opened, &setup.transport);
     let stiff = frame::largest_gain(&lit) > STIFF;
     let count = if stiff { effort.points.min(FEW) } else { effort.points };
     let points = points_of(opened, count, notes);
-    let truth = truth::trace(opened, &points, effort.reference, &budget.part(FOR_TRUTH), watcher)?;
+    let truth = truth::trace(opened, &points, effort.reference, &others.part(FOR_TRUTH), watcher)?;
     if truth.is_dark() {
         notes.push("no light reaches any surface: only lag was measured, by lamps of its own".to_owned());
-        measured.diagrams = lag::diagrams(&lit, &budget.part(FOR_LAG), watcher, notes)?;
+        measured.diagrams = lag::diagrams(&lit, &others.part(FOR_LAG), watcher, notes)?;
         return Ok(measured);
     }
     let seen = Seen::new(&lit, lit.places(&points));
-    let exactly = seen.exactly(opened, &budget.part(FOR_MATRIX), watcher, notes)?;
-    let lag = lag::diagrams(&lit, &budget.part(FOR_LAG), watcher, notes)?;
-    let frame = seen.frame(setup.played.as_ref(), &budget.part(FOR_FRAME), watcher)?;
-    let bytes = seen.bytes(&budget.part(FOR_BYTES), watcher)?;
+    let exactly = seen.exactly(opened, &others.part(FOR_MATRIX), watcher, notes)?;
+    let lag = lag::diagrams(&lit, &others.part(FOR_LAG), watcher, notes)?;
+    let frame = seen.frame(setup.played.as_ref(), &others.part(FOR_FRAME), watcher)?;
+    let bytes = seen.bytes(&others.part(FOR_BYTES), watcher)?;
     let ends = Ends { exactly: exactly.as_ref(), truth: &truth };
-    measured.split = seen.split(setup, &ends, &budget.part(FOR_RAW), watcher, notes)?;
+    measured.split = seen.split(setup, &ends, &others.part(FOR_RAW), watcher, notes)?;
     (measured.diagrams, measured.advice) = bakes(setup, &points, &ends, effort, budget, watcher, notes)?;
     measured.advice.extend(advice::of_frames(&frame));
     measured.diagrams.push(frame);
