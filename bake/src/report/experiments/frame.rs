@@ -111,36 +111,54 @@ struct Rung {
     b: Vec<f64>,
 }
 
+/// One channel's iterates, and whether it went on until it was near enough.
+struct Climbed {
+    rungs: Vec<Rung>,
+    reached: bool,
+}
+
+impl Climbed {
+    /// What it had on a rung: above its last one, the last.
+    fn at(&self, k: usize) -> Option<&Rung> {
+        self.rungs.get(k).or(self.rungs.last())
+    }
+}
+
 fn of_method(problem: &Problem, channels: &[Channel; 3], method: Method, budget: &Budget) -> Series {
-    let mut runs: Vec<[Vec<Rung>; 3]> = Vec::new();
+    let mut runs: Vec<[Climbed; 3]> = Vec::new();
     while runs.len() < RUNS && (runs.is_empty() || budget.left() > budget.spent() / runs.len() as f64) {
         runs.push(std::array::from_fn(|c| {
             let e: Vec<f64> = problem.e.iter().map(|e| e[c]).collect();
             climb(method, &channels[c], &e, &budget.part(1.0 / (3 - c) as f64))
         }));
     }
-    let rungs = runs.iter().map(|run| run.iter().map(Vec::len).max().unwrap_or(0)).min().unwrap_or(0);
-    let at = |run: &[Vec<Rung>; 3], k: usize| -> f64 {
-        run.iter().filter_map(|rungs| rungs.get(k).or(rungs.last())).map(|rung| rung.seconds).sum()
-    };
     let point = |k: usize| {
-        let of = |c: usize, i: usize| runs[0][c].get(k).or(runs[0][c].last()).map_or(0.0, |rung| rung.b[i]);
+        let of = |c: usize, i: usize| runs[0][c].at(k).map_or(0.0, |rung| rung.b[i]);
         let b: Vec<DVec3> =
             (0..problem.e.len()).map(|i| DVec3::from_array(std::array::from_fn(|c| of(c, i)))).collect();
-        let times: Vec<f64> = runs.iter().map(|run| 1e3 * at(run, k)).collect();
-        let most = runs[0].iter().filter_map(|rungs| rungs.get(k)).map(|rung| rung.products);
+        let seconds =
+            |run: &[Climbed; 3]| run.iter().filter_map(|one| one.at(k)).map(|rung| rung.seconds).sum::<f64>();
+        let times: Vec<f64> = runs.iter().map(|run| 1e3 * seconds(run)).collect();
+        let most = runs[0].iter().filter_map(|one| one.rungs.get(k)).map(|rung| rung.products);
         let setting = products(most.fold(0.0, f64::max).round() as u32);
         Point { setting, error: problem.error(&b), ..timed(&times) }
     };
-    Series { name: method.name().to_owned(), points: (0..rungs).map(point).collect() }
+    let height = runs.iter().map(height).min().unwrap_or(0);
+    Series { name: method.name().to_owned(), points: (0..height).map(point).collect() }
+}
+
+/// Rungs on which every channel was, or was done before.
+fn height(run: &[Climbed; 3]) -> usize {
+    let highest = run.iter().map(|one| one.rungs.len()).max().unwrap_or(0);
+    run.iter().filter(|one| !one.reached).map(|one| one.rungs.len()).fold(highest, usize::min)
 }
 
 /// Follows one channel's iterates from darkness; looking at them takes no time.
-fn climb(method: Method, channel: &Channel, e: &[f64], budget: &Budget) -> Vec<Rung> {
+fn climb(method: Method, channel: &Channel, e: &[f64], budget: &Budget) -> Climbed {
     let mut rungs: Vec<Rung> = Vec::new();
-    let (mut seconds, mut resumed, mut next) = (0.0, Instant::now(), 1.0);
+    let (mut seconds, mut resumed, mut next, mut last) = (0.0, Instant::now(), 1.0, 0.0);
     let stop = Stop { tolerance: ENOUGH, products: f64::from(MOST) + 1.0, cancelled: &|| budget.is_spent() };
-    solve(method, channel, e, None, &stop, &mut |iterate| {
+    let solved = solve(method, channel, e, None, &stop, &mut |iterate| {
         seconds += resumed.elapsed().as_secs_f64();
         if iterate.products == 0.0 {
             seconds = 0.0; // what is prepared once an albedo is no frame's
@@ -150,9 +168,14 @@ fn climb(method: Method, channel: &Channel, e: &[f64], budget: &Budget) -> Vec<R
                 next *= 2.0;
             }
         }
+        last = iterate.products;
         resumed = Instant::now();
     });
-    rungs
+    // The one that is near enough lies between two rungs, or on the highest.
+    if solved.reached && rungs.last().is_none_or(|rung| rung.products < last) {
+        rungs.push(Rung { products: last, seconds, b: solved.b });
+    }
+    Climbed { rungs, reached: solved.reached }
 }
 
 /// The runtime's iteration, product by product.

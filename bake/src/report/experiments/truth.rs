@@ -15,6 +15,9 @@ use crate::{BakeError, Opened, Point, Watcher};
 
 pub const SEEDS: [u64; 2] = [0x7a11_0001, 0x7a11_0002];
 
+/// Of what is taken off: what is left of it is nothing.
+const ROUNDING: f64 = 1e-9;
+
 /// Irradiance at the evaluation points without what comes straight from punctual lights [W/m2].
 pub struct Truth {
     pub field: Vec<f64>,
@@ -52,8 +55,10 @@ pub fn trace(
         let seconds = budget.left() / (2 - k) as f64;
         let target = fine_enough * std::f64::consts::SQRT_2;
         let found = tracer.irradiance_until(points, target, seconds, seed, &Quiet(watcher))?;
-        let net =
-            |(found, straight): (&Measured, &Measured)| (found.total() - straight.direct).max(DVec3::ZERO);
+        let net = |(found, straight): (&Measured, &Measured)| {
+            let net = found.total() - straight.direct;
+            DVec3::select(net.cmpgt(straight.direct * ROUNDING), net, DVec3::ZERO)
+        };
         halves[k] = field(found.iter().zip(&straight).map(net));
         squares += found.iter().map(|point| point.standard_error.length_squared()).sum::<f64>();
         watcher.advance(1, 0);
