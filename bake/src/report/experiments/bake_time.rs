@@ -248,8 +248,11 @@ pub fn timed(x: &[f64]) -> Point {
     sorted.sort_by(f64::total_cmp);
     let (Some(&least), Some(&most)) = (sorted.first(), sorted.last()) else { return Point::default() };
     let middle = sorted.len() / 2;
-    let median =
-        if sorted.len() % 2 == 0 { 0.5 * (sorted[middle - 1] + sorted[middle]) } else { sorted[middle] };
+    let median = if sorted.len().is_multiple_of(2) {
+        0.5 * (sorted[middle - 1] + sorted[middle])
+    } else {
+        sorted[middle]
+    };
     Point { x: median, x_range: [least, most], runs: sorted.len(), ..Point::default() }
 }
 

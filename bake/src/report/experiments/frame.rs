@@ -242,7 +242,7 @@ fn of_gpu(problem: &Problem, played: &Played, first: u32) -> Option<Series> {
         if light.exitance.len() != n || light.radiosity.len() < n {
             return None;
         }
-        let from_sky = lit.from_sky();
+        let from_sky = lit.sky_on_patches();
         let e: Vec<DVec3> =
             (0..n).map(|i| light.exitance[i] + lit.albedo[i].as_dvec3() * from_sky[i]).collect();
         let exact = lit.solve(&lit.transport.patch_from_patch, &e);

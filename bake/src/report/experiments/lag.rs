@@ -211,8 +211,8 @@ fn of_method(method: Method, channel: &Channel, played: &[&Played], count: u32) 
 }
 
 /// One frame: so many products from the last one's light. Returns seconds; none where it did not come to a step.
-fn step(method: Method, channel: &Channel, e: &[f64], b: &mut Vec<f64>, count: u32) -> Option<f64> {
-    let start = b.clone();
+fn step(method: Method, channel: &Channel, e: &[f64], b: &mut [f64], count: u32) -> Option<f64> {
+    let start = b.to_owned();
     let (mut began, mut seconds) = (Instant::now(), None);
     let stop = Stop::at(0.0, f64::from(count) + 1.0);
     solve(method, channel, e, Some(&start), &stop, &mut |iterate| {

@@ -138,7 +138,7 @@ impl<'a> Lit<'a> {
     }
 
     /// Irradiance of patches straight from the sky, by the transport's own rows.
-    pub fn from_sky(&self) -> Vec<DVec3> {
+    pub fn sky_on_patches(&self) -> Vec<DVec3> {
         gather(&self.transport.patch_from_patch, &self.sky)
     }
 
