@@ -3,8 +3,8 @@
 //! The truth is what the rows show as the bake balanced them, in f64 to the end; both the patches' and the receivers' rows
 //! take the form, and count.
 
-use engine::transport::Rows;
 use engine::transport::solve::{Channel, Method, Stop, System, solve};
+use engine::transport::{Rows, Transport, file};
 use glam::{DVec3, Vec3};
 
 use super::lit::{Lit, weights};
@@ -52,6 +52,8 @@ pub fn diagram(stored: &Stored, budget: &Budget, watcher: &dyn Watcher) -> Resul
         }
         series.push(Series { name: name.to_owned(), points });
     }
+    series
+        .push(Series { name: "as they are stored".to_owned(), points: vec![shipped(stored.lit.transport)] });
     series.push(cuts(stored, &truth, budget, watcher)?);
     series.retain(|series| !series.points.is_empty());
     Ok(Diagram {
@@ -111,8 +113,20 @@ fn point(stored: &Stored, truth: &[f64], how: Kept) -> Point {
         x_range: [x; 2],
         runs: 1,
         error: Error::of(&lit.blended(&irradiance, places), truth, &weights(truth)),
-        preset: (how == Kept::F32).then(|| "shipped".to_owned()),
+        preset: None,
     }
+}
+
+/// The rows as the file has them: all others are compared with these.
+fn shipped(transport: &Transport) -> Point {
+    let of_rows = |name: &str| {
+        let part = name.strip_prefix("patch.").or(name.strip_prefix("receiver."));
+        matches!(part, Some("starts" | "columns" | "weights" | "packed"))
+    };
+    let arrays = file::arrays(transport);
+    let bytes = arrays.iter().filter(|(name, _)| of_rows(name)).map(|(_, bytes)| bytes.len()).sum::<usize>();
+    let (x, preset) = (bytes as f64, Some("shipped".to_owned()));
+    Point { setting: "as stored".to_owned(), x, x_range: [x; 2], runs: 1, preset, ..Point::default() }
 }
 
 /// The solution of rows that may have lost their symmetry, from one of rows like them: by two-level Jacobi, and where

@@ -138,7 +138,7 @@ impl Chain<'_> {
                 "quantisation",
                 "",
                 none(
-                    "weights are stored as f32, rounded once by 6e-8 at most: the diagram of bytes has fewer",
+                    "not by itself: its share lies in form factors; the diagram of bytes has other forms of the rows",
                 ),
             ),
             link("compression", "", none("rows are stored whole")),
