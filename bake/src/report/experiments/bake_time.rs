@@ -107,7 +107,7 @@ pub fn diagrams(
     exactly: Option<&Exactly>,
     truth: &Truth,
 ) -> Vec<Diagram> {
-    let mut diagrams = vec![total(bakes, presets, truth), patches(bakes, presets, truth)];
+    let mut diagrams = vec![total(bakes, presets, truth), patches(bakes, presets, shipped, exactly, truth)];
     if let Some(exactly) = exactly {
         diagrams.push(form_factors(bakes, presets, shipped, exactly));
         diagrams.push(matrices(bakes, presets, shipped, exactly));
@@ -193,7 +193,13 @@ fn matrices(bakes: &Bakes, presets: &[Preset], shipped: Recipe, exactly: &Exactl
 }
 
 /// Patch lengths at the most rays that four lengths, or else as many as there are, were baked with.
-fn patches(bakes: &Bakes, presets: &[Preset], truth: &Truth) -> Diagram {
+fn patches(
+    bakes: &Bakes,
+    presets: &[Preset],
+    shipped: Recipe,
+    exactly: Option<&Exactly>,
+    truth: &Truth,
+) -> Diagram {
     let with = |rays: u32| sorted(bakes, |made| made.recipe.rays == rays, |made| -made.recipe.length);
     let most = |lengths: usize| RAYS.into_iter().rev().find(|&rays| with(rays).len() >= lengths);
     let rays = most(4).or(most(3)).or(most(2)).unwrap_or(RAYS[0]);
@@ -201,6 +207,11 @@ fn patches(bakes: &Bakes, presets: &[Preset], truth: &Truth) -> Diagram {
         setting: format!("{} patches", made.patches),
         ..point(made, presets, &truth.field)
     });
+    let mut floors = truth.floors();
+    if let (Some(exactly), Some(made)) = (exactly, bakes.of(Recipe { rays, ..shipped })) {
+        let y = point(made, presets, &exactly.at_receivers).error.rms;
+        floors.push(Floor { name: format!("form factors from {rays} rays"), y });
+    }
     Diagram {
         id: "bake_patches".to_owned(),
         title: "Bake time and the error of patches".to_owned(),
@@ -212,7 +223,7 @@ fn patches(bakes: &Bakes, presets: &[Preset], truth: &Truth) -> Diagram {
         y: irradiance(),
         norm: Norm::Rms,
         series: vec![Series { name: format!("patch length at {rays} rays"), points: points.collect() }],
-        floors: truth.floors(),
+        floors,
     }
 }
 

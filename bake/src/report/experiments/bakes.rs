@@ -106,7 +106,7 @@ impl Bakes<'_> {
         let lit = Lit::new(self.opened, transport);
         let shown = lit.shown(&lit.solved(), &lit.places(self.points));
         let exactly = self.exactly.filter(|(length, _)| *length == recipe.length);
-        let factors = exactly.map(|(_, exactly)| exactly.error_of_factors(&transport.patch_from_patch));
+        let factors = exactly.and_then(|(_, exactly)| exactly.error_of_factors(&transport.patch_from_patch));
         self.made.push(Made {
             recipe,
             patches: transport.patches.len(),

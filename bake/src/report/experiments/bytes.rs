@@ -9,6 +9,7 @@ use glam::{DVec3, Vec3};
 
 use super::lit::{Lit, weights};
 use super::quantise::{Kept, kept};
+use crate::compress::{cut_rows, one_ray};
 use crate::query::Place;
 use crate::report::Budget;
 use crate::report::model::{Axis, Diagram, Error, Floor, Norm, Point, Series};
@@ -16,6 +17,8 @@ use crate::{BakeError, Watcher};
 
 const WEIGHTS: [Kept; 3] = [Kept::U8, Kept::F16, Kept::F32];
 const LARGEST: [Kept; 4] = [Kept::Largest(32), Kept::Largest(64), Kept::Largest(128), Kept::Largest(256)];
+/// Tolerances of cut rows, in what one ray carries: from coarse to fine.
+const IN_RAYS: [f64; 5] = [8.0, 4.0, 2.0, 1.0, 0.5];
 /// Bound to which rows that lost their symmetry are solved, and the products that may take.
 const NEAR: f64 = 1e-8;
 const FEW: f64 = 100.0;
@@ -30,7 +33,7 @@ pub struct Stored<'a> {
 }
 
 pub fn diagram(stored: &Stored, budget: &Budget, watcher: &dyn Watcher) -> Result<Diagram, BakeError> {
-    watcher.stage("bytes", (WEIGHTS.len() + LARGEST.len()) as u64);
+    watcher.stage("bytes", (WEIGHTS.len() + LARGEST.len() + IN_RAYS.len()) as u64);
     let truth = stored.lit.shown(stored.exact, stored.places);
     let mut series = Vec::new();
     for (name, forms) in
@@ -49,6 +52,7 @@ pub fn diagram(stored: &Stored, budget: &Budget, watcher: &dyn Watcher) -> Resul
         }
         series.push(Series { name: name.to_owned(), points });
     }
+    series.push(cuts(stored, &truth, budget, watcher)?);
     series.retain(|series| !series.points.is_empty());
     Ok(Diagram {
         id: "bytes".to_owned(),
@@ -62,6 +66,36 @@ pub fn diagram(stored: &Stored, budget: &Budget, watcher: &dyn Watcher) -> Resul
         series,
         floors: vec![Floor { name: "rounding of f32".to_owned(), y: 0.5 * f64::from(f32::EPSILON) }],
     })
+}
+
+/// Receivers' rows cut through a tree over the patches; the patches' own stay whole.
+fn cuts(stored: &Stored, truth: &[f64], budget: &Budget, watcher: &dyn Watcher) -> Result<Series, BakeError> {
+    let Stored { lit, exact, places, .. } = *stored;
+    let transport = lit.transport;
+    let columns = lit.columns(exact);
+    let mut points = Vec::new();
+    for in_rays in IN_RAYS {
+        watcher.advance(1, 0);
+        if watcher.cancelled() {
+            return Err(BakeError::Cancelled);
+        }
+        if budget.is_spent() {
+            continue;
+        }
+        let tolerance = in_rays * one_ray(transport);
+        let cut = cut_rows(&transport.receiver_from_patch, transport, &lit.marked(), tolerance);
+        let x = (cut.bytes() + Kept::F32.bytes(&transport.patch_from_patch)) as f64;
+        let shown = lit.blended(&cut.gather(transport, &columns), places);
+        points.push(Point {
+            setting: format!("{in_rays} rays"),
+            x,
+            x_range: [x; 2],
+            runs: 1,
+            error: Error::of(&shown, truth, &weights(truth)),
+            preset: None,
+        });
+    }
+    Ok(Series { name: "receivers' rows cut through a tree, f32".to_owned(), points })
 }
 
 fn point(stored: &Stored, truth: &[f64], how: Kept) -> Point {

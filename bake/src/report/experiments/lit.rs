@@ -226,10 +226,14 @@ impl<'a> Lit<'a> {
         probe_row(&tracer, &look.emitters, position, &look.sobol, look.rays, key)
     }
 
+    /// By patch: marked to be sampled towards.
+    pub fn marked(&self) -> Vec<bool> {
+        sampled(&self.opened.scene, self.transport)
+    }
+
     /// What such rays need.
     pub fn look(&self, rays: u32, seed: u64) -> Look {
-        let marked = sampled(&self.opened.scene, self.transport);
-        let emitters = Emitters::choose(&self.rays, &marked).with_rays(EMITTER_RAYS);
+        let emitters = Emitters::choose(&self.rays, &self.marked()).with_rays(EMITTER_RAYS);
         Look { sobol: Sobol::new(rays), rays, seed, emitters }
     }
 

@@ -124,8 +124,12 @@ fn seconds_of_a_ray(lit: &Lit, places: &[Option<Place>]) -> f64 {
 
 impl Exactly {
     /// |P - P_exact| / |P_exact|, both as one vector (Frobenius), signed by the sum of all entries.
-    pub fn error_of_factors(&self, rows: &Rows) -> Error {
+    /// None of rows that are not these patches'.
+    pub fn error_of_factors(&self, rows: &Rows) -> Option<Error> {
         let columns = self.matrices[0].columns();
+        if rows.len() * columns != self.matrices[0].matrix().len() {
+            return None;
+        }
         let [a, b] = [self.matrices[0].matrix(), self.matrices[1].matrix()];
         let (mut far, mut size, mut excess, mut sum, mut largest) = (0.0, 0.0, 0.0, 0.0, 0.0_f64);
         let mut dense = vec![0.0; columns];
@@ -142,9 +146,9 @@ impl Exactly {
             }
         }
         if size <= 0.0 {
-            return Error::default();
+            return None;
         }
-        Error { rms: (far / size).sqrt(), bias: excess / sum, p99: 0.0, max: largest }
+        Some(Error { rms: (far / size).sqrt(), bias: excess / sum, p99: 0.0, max: largest })
     }
 
     /// Of the reference's own factors, by the same measure.

@@ -1,7 +1,7 @@
 //! What is measured, one file an experiment.
 //!
 //! All of them look at the same points under the scene's own light, as it is at the start. Each gets a share of the time
-//! that is left when its turn comes; what is dear comes last and takes what there is, cheap points first. Seeds are
+//! that is left when its turn comes; bakes come last and take what there is, cheap points first. Seeds are
 //! fixed: errors repeat bit for bit where the same points were reached, times do not.
 
 mod advice;
@@ -24,7 +24,7 @@ mod truth;
 #[cfg(test)]
 mod tests;
 
-use engine::transport::Transport;
+use engine::transport::{Rows, Transport};
 use glam::{DVec3, Vec3};
 
 use self::bakes::{Bakes, Quiet, Recipe};
@@ -32,6 +32,7 @@ use self::bytes::Stored;
 use self::frame::Problem;
 use self::lit::Lit;
 use self::matrix::{Exactly, exactly};
+use self::points::Points;
 use self::runtime::Runtime;
 use self::split::{Chain, MANY_SAMPLES};
 use self::truth::Truth;
@@ -40,7 +41,7 @@ use super::budget::Within;
 use super::model::{Advice, Diagram, Split};
 use super::player::{GpuLight, Played};
 use crate::query::Place;
-use crate::{BakeError, Opened, Watcher};
+use crate::{BakeError, Opened, Point, Watcher};
 
 /// The scene, opened, with the bake that the project ships, and what the player said of it.
 pub struct Setup {
@@ -75,13 +76,18 @@ const EFFORT: Effort = Effort { points: 200, reference: 1e-4, rays: 1 << 20 };
 const SHORT: f64 = 60.0;
 const FEW: usize = 64;
 
-/// Shares of what is left, in the order of their turns; bakes take the rest.
-const FOR_TRUTH: f64 = 0.3;
-const FOR_MATRIX: f64 = 0.3;
-const FOR_FRAME: f64 = 0.1;
-const FOR_LAG: f64 = 0.12;
-const FOR_BYTES: f64 = 0.12;
-const FOR_RAW: f64 = 0.2;
+/// Cavity gain beyond which paths are long, and time is better spent on few points.
+const STIFF: f64 = 20.0;
+
+/// Of the time, what is not for bakes; they come last and take what there is then.
+const FOR_OTHERS: f64 = 0.6;
+/// Shares of what is left of that, in the order of their turns.
+const FOR_TRUTH: f64 = 0.35;
+const FOR_MATRIX: f64 = 0.45;
+const FOR_LAG: f64 = 0.25;
+const FOR_FRAME: f64 = 0.3;
+const FOR_BYTES: f64 = 0.35;
+const FOR_RAW: f64 = 0.5;
 
 pub fn all(setup: &Setup, budget: &Budget, watcher: &dyn Watcher) -> Result<Measured, BakeError> {
     let points = if budget.left() < SHORT { FEW } else { EFFORT.points };
@@ -95,61 +101,71 @@ fn run(
     watcher: &dyn Watcher,
 ) -> Result<Measured, BakeError> {
     let mut measured = Measured { seeds: seeds(), ..Measured::default() };
+    let notes = &mut measured.notes;
     if setup.transport.patches.is_empty() {
-        measured.notes.push("the scene has no static surfaces: there is nothing to measure".to_owned());
+        notes.push("the scene has no static surfaces: there is nothing to measure".to_owned());
         return Ok(measured);
     }
     let opened = &setup.opened;
+    let others = budget.part(FOR_OTHERS);
     let lit = Lit::new(opened, &setup.transport);
-    let chosen = points::choose(opened, effort.points);
-    if chosen.inside > 0 {
-        let note = format!(
-            "{} evaluation points of {} were left out: they lie inside solids",
-            chosen.inside, effort.points
-        );
-        measured.notes.push(note);
-    }
-    let truth = truth::trace(opened, &chosen.points, effort.reference, &budget.part(FOR_TRUTH), watcher)?;
+    let stiff = frame::largest_gain(&lit) > STIFF;
+    let count = if stiff { effort.points.min(FEW) } else { effort.points };
+    let points = points_of(opened, count, notes);
+    let truth = truth::trace(opened, &points, effort.reference, &others.part(FOR_TRUTH), watcher)?;
     if truth.is_dark() {
-        measured
-            .notes
-            .push("no light reaches any surface: only lag was measured, by lamps of its own".to_owned());
-        measured.diagrams = lag::diagrams(&lit, &budget.part(FOR_LAG), watcher, &mut measured.notes)?;
+        notes.push("no light reaches any surface: only lag was measured, by lamps of its own".to_owned());
+        measured.diagrams = lag::diagrams(&lit, &others.part(FOR_LAG), watcher, notes)?;
         return Ok(measured);
     }
-    let seen = Seen::new(&lit, lit.places(&chosen.points));
-    let exactly = seen.exactly(opened, &budget.part(FOR_MATRIX), watcher, &mut measured.notes)?;
-    let lag = lag::diagrams(&lit, &budget.part(FOR_LAG), watcher, &mut measured.notes)?;
-    let frame = seen.frame(setup.played.as_ref(), &budget.part(FOR_FRAME), watcher)?;
-    let bytes = seen.bytes(&budget.part(FOR_BYTES), watcher)?;
-    let shipped = shipped(&setup.transport);
-    let (split, by_seeds) =
-        seen.split(setup, shipped, exactly.as_ref(), &truth, &budget.part(FOR_RAW), watcher)?;
-    measured.split = split;
-    measured.notes.push(format!(
-        "split: with one seed of the path tracer for the parts and the other for the total, {:.1} % of the total are \
-         unexplained: that is how far the seeds are apart",
-        100.0 * by_seeds
-    ));
-
-    let presets = bake_time::presets(opened)?;
-    let mut bakes = Bakes {
-        opened,
-        points: &chosen.points,
-        exactly: exactly.as_ref().map(|one| (shipped.length, one)),
-        made: Vec::new(),
-        notes: Vec::new(),
-    };
-    bake_time::bake_all(&mut bakes, &presets, shipped, effort.rays, budget, watcher)?;
-    measured.diagrams.extend(bake_time::diagrams(&bakes, &presets, shipped, exactly.as_ref(), &truth));
-    measured.advice = advice::of_bakes(&bakes, &presets, shipped, &truth);
+    let seen = Seen::new(&lit, lit.places(&points));
+    let exactly = seen.exactly(opened, &others.part(FOR_MATRIX), watcher, notes)?;
+    let lag = lag::diagrams(&lit, &others.part(FOR_LAG), watcher, notes)?;
+    let frame = seen.frame(setup.played.as_ref(), &others.part(FOR_FRAME), watcher)?;
+    let bytes = seen.bytes(&others.part(FOR_BYTES), watcher)?;
+    let ends = Ends { exactly: exactly.as_ref(), truth: &truth };
+    measured.split = seen.split(setup, &ends, &others.part(FOR_RAW), watcher, notes)?;
+    (measured.diagrams, measured.advice) = bakes(setup, &points, &ends, effort, budget, watcher, notes)?;
     measured.advice.extend(advice::of_frames(&frame));
-    measured.notes.append(&mut bakes.notes);
     measured.diagrams.push(frame);
     measured.diagrams.extend(lag);
     measured.diagrams.push(bytes);
     measured.diagrams.retain(|diagram| !diagram.series.is_empty());
     Ok(measured)
+}
+
+/// What fields are compared with.
+struct Ends<'a> {
+    exactly: Option<&'a Exactly>,
+    truth: &'a Truth,
+}
+
+fn points_of(opened: &Opened, count: usize, notes: &mut Vec<String>) -> Vec<Point> {
+    let Points { points, inside } = points::choose(opened, count);
+    if inside > 0 {
+        notes.push(format!("{inside} evaluation points of {count} were left out: they lie inside solids"));
+    }
+    points
+}
+
+/// Everything that takes bakes of its own.
+fn bakes(
+    setup: &Setup,
+    points: &[Point],
+    ends: &Ends,
+    effort: &Effort,
+    budget: &Budget,
+    watcher: &dyn Watcher,
+    notes: &mut Vec<String>,
+) -> Result<(Vec<Diagram>, Vec<Advice>), BakeError> {
+    let shipped = shipped(&setup.transport);
+    let presets = bake_time::presets(&setup.opened)?;
+    let exactly = ends.exactly.map(|exactly| (shipped.length, exactly));
+    let mut bakes = Bakes { opened: &setup.opened, points, exactly, made: Vec::new(), notes: Vec::new() };
+    bake_time::bake_all(&mut bakes, &presets, shipped, effort.rays, budget, watcher)?;
+    notes.append(&mut bakes.notes);
+    let diagrams = bake_time::diagrams(&bakes, &presets, shipped, ends.exactly, ends.truth);
+    Ok((diagrams, advice::of_bakes(&bakes, &presets, shipped, ends.truth)))
 }
 
 fn seeds() -> Vec<(String, u64)> {
@@ -223,23 +239,13 @@ impl<'a> Seen<'a> {
     fn split(
         &self,
         setup: &Setup,
-        shipped: Recipe,
-        exactly: Option<&Exactly>,
-        truth: &Truth,
+        ends: &Ends,
         budget: &Budget,
         watcher: &dyn Watcher,
-    ) -> Result<(Split, f64), BakeError> {
+        notes: &mut Vec<String>,
+    ) -> Result<Split, BakeError> {
         watcher.stage("split", 2);
-        let within = Within { watcher: &Quiet(watcher), budget: *budget };
-        let raw = match raw::rows(&setup.opened, shipped, &within) {
-            Err(BakeError::Cancelled) if watcher.cancelled() => return Err(BakeError::Cancelled),
-            Err(_) => {
-                Err("the budget had no time to trace its rays again: its share lies in form factors"
-                    .to_owned())
-            }
-            Ok(rows) if rows.len() == setup.transport.patches.len() => Ok(rows),
-            Ok(_) => Err("the layout is not the bake's: its share lies in form factors".to_owned()),
-        };
+        let raw = raw(setup, &Within { watcher: &Quiet(watcher), budget: *budget })?;
         watcher.advance(1, 0);
         let fits = |light: &&GpuLight| {
             light.radiosity.len() >= setup.transport.patches.len()
@@ -253,12 +259,28 @@ impl<'a> Seen<'a> {
             iterated: &self.settled(),
             gpu: setup.played.as_ref().and_then(|played| played.light.as_ref()).filter(fits),
             raw,
-            exactly,
-            truth,
+            exactly: ends.exactly,
+            truth: ends.truth,
         };
         let (mut split, by_seeds) = chain.split();
         split.parts.push(probes::part(self.lit, &self.exact));
+        notes.push(format!(
+            "split: with one seed of the path tracer for the parts and the other for the total, {:.1} % of the total are \
+             unexplained: that is how far the seeds are apart",
+            100.0 * by_seeds
+        ));
         watcher.advance(1, 0);
-        Ok((split, by_seeds))
+        Ok(split)
+    }
+}
+
+/// Rows as their rays counted them, or why there are none.
+fn raw(setup: &Setup, within: &Within) -> Result<Result<Rows, String>, BakeError> {
+    let because = |why: &str| Ok(Err(format!("{why}: its share lies in form factors")));
+    match raw::rows(&setup.opened, shipped(&setup.transport), within) {
+        Err(BakeError::Cancelled) if within.watcher.cancelled() => Err(BakeError::Cancelled),
+        Err(_) => because("the budget had no time to trace its rays again"),
+        Ok(rows) if rows.len() == setup.transport.patches.len() => Ok(Ok(rows)),
+        Ok(_) => because("the layout is not the bake's"),
     }
 }

@@ -53,7 +53,7 @@ pub fn part(lit: &Lit, b: &[DVec3]) -> Part {
     Part {
         name,
         compared: format!(
-            "light read halfway between {} pairs of neighbours against fresh probe rows there: a field of its own",
+            "light read halfway between {} pairs of neighbours against fresh probe rows there",
             places.len()
         ),
         error: Error::of(&found, &fresh, &weights(&fresh)),
@@ -74,11 +74,11 @@ fn halfway(transport: &Transport) -> Vec<Vec3> {
     (0..count).map(middle).collect()
 }
 
-/// E(n) = Sum_l A_l Sum_m L_lm Y_lm(n), A = pi, 2 pi / 3, pi / 4 (Ramamoorthi and Hanrahan 2001).
+/// E(n) = Sum_l A_l Sum_m L_lm Y_lm(n) and nowhere below 0, A = pi, 2 pi / 3, pi / 4 (Ramamoorthi and Hanrahan 2001).
 fn towards_axes(light: &[DVec3; COEFFICIENTS]) -> [DVec3; 6] {
     let band = |k: usize| [PI, 2.0 * PI / 3.0, PI / 4.0][usize::from(k > 0) + usize::from(k > 3)];
     AXES.map(|axis| {
         let y = basis(axis);
-        (0..COEFFICIENTS).map(|k| light[k] * (band(k) * f64::from(y[k]))).sum()
+        (0..COEFFICIENTS).map(|k| light[k] * (band(k) * f64::from(y[k]))).sum::<DVec3>().max(DVec3::ZERO)
     })
 }

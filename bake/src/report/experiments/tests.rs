@@ -4,7 +4,8 @@ use engine::scene::assets::Assets;
 use engine::scene::file::{BakeSettings, Project, Quality};
 use engine::scene::shape::{self, Shape};
 use engine::scene::{
-    Entity, EntityId, Material, MaterialId, MeshRenderer, MeshSource, Scene, SkyKind, Transform,
+    Entity, EntityId, LightProbeGroup, Material, MaterialId, MeshRenderer, MeshSource, Scene, SkyKind,
+    Transform,
 };
 use engine::transport::Certificate;
 use engine::transport::key::BakeWith;
@@ -206,6 +207,19 @@ fn a_budget_that_is_spent_leaves_out_and_says_so() {
     let measured = all(&setup, &Budget::new(0.0), &Silent).unwrap();
     let left_out = |what: &str| measured.notes.iter().any(|note| note.contains(what));
     assert!(left_out("matrix reference") && left_out("bakes"), "{:?}", measured.notes);
+}
+
+#[test]
+fn light_probes_near_each_other_say_what_is_between_them() {
+    let mut scene = corner();
+    let positions = vec![Vec3::new(0.4, 0.5, 0.5), Vec3::new(0.5, 0.5, 0.5)];
+    let probes = Some(LightProbeGroup { positions });
+    scene.entities.push(Entity { id: EntityId(5), light_probes: probes, ..Entity::default() });
+    let setup = setup(scene);
+    let lit = Lit::new(&setup.opened, &setup.transport);
+    let part = probes::part(&lit, &lit.solved());
+    assert!(part.is_apart && part.left_out.is_none(), "{part:?}");
+    assert!(part.error.rms > 0.0 && part.error.rms < 0.03 && part.error.max < 0.2, "{part:?}");
 }
 
 #[test]
