@@ -22,6 +22,7 @@ fn report(folder: &Path, args: &[&str]) -> Run {
 #[test]
 fn a_report_is_written_within_its_budget_and_says_what_it_left_out() {
     let folder = folder_with_project();
+    run_in(folder.path(), &["p", "--quality", "draft"]).done();
     let run = report(folder.path(), &["--out", "deep/out", "--budget", "20", "--json"]).done();
     let told = run.json();
     assert_eq!(told["scene"], "furnace");
