@@ -4,6 +4,7 @@ mod program;
 
 use std::path::{Path, PathBuf};
 
+use engine::scene::file::{load_project, save_project};
 use program::{Run, run_in};
 
 /// A furnace in `p`.
@@ -21,6 +22,7 @@ fn report(folder: &Path, args: &[&str]) -> Run {
 #[test]
 fn a_report_is_written_within_its_budget_and_says_what_it_left_out() {
     let folder = folder_with_project();
+    run_in(folder.path(), &["p", "--quality", "draft"]).done();
     let run = report(folder.path(), &["--out", "deep/out", "--budget", "20", "--json"]).done();
     let told = run.json();
     assert_eq!(told["scene"], "furnace");
@@ -62,6 +64,19 @@ fn what_does_not_fit_is_named_and_the_page_is_there_all_the_same() {
     let notes = told["report"]["notes"].as_array().unwrap();
     assert!(!notes.is_empty(), "{told:#}");
     assert_well_formed(&std::fs::read_to_string(folder.path().join("out/report.html")).unwrap());
+}
+
+/// Hours of rays.
+#[test]
+fn a_bake_that_does_not_fit_into_the_budget_is_told_with_the_remedy() {
+    let folder = folder_with_project();
+    let project = folder.path().join("p");
+    let mut settings = load_project(&project).unwrap();
+    (settings.bake.rays, settings.bake.patch_length) = (Some(1 << 20), Some(0.05));
+    save_project(&project, &settings).unwrap();
+    let run = report(folder.path(), &["--out", "out", "--budget", "1"]);
+    run.failed(1, &["the bake alone takes more", "hohlraum-bake p --scene furnace", "--budget"]);
+    assert!(!folder.path().join("out").exists());
 }
 
 #[test]

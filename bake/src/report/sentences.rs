@@ -141,11 +141,11 @@ fn of_others(diagram: &Diagram, leading: &Series, front: &Front) -> Option<Strin
         .filter_map(|series| Some((&series.name, middle(series)?)))
         .map(|(name, times)| match times {
             ..1.02 => format!("{name} is as good"),
-            FAR.. => format!("{name} errs more than {FAR} times as much"),
-            _ => format!("{name} errs {} times as much", factor(times)),
+            FAR.. => format!("{name} has more than {FAR} times the error"),
+            _ => format!("{name} has {} times the error", factor(times)),
         })
         .collect();
-    (!told.is_empty()).then(|| format!("At the same cost as the best, {}.", told.join(", ")))
+    (!told.is_empty()).then(|| format!("At the same cost as the best, {}.", told.join("; ")))
 }
 
 fn of_preset(preset: &Verdict) -> String {
@@ -184,7 +184,7 @@ mod tests {
         let diagram = Diagram { id: "d".to_owned(), series: vec![bad, good], ..Diagram::default() };
         let said = of_diagram(&diagram, &verdicts(std::slice::from_ref(&diagram)));
         assert_eq!(said[0], "good: twice the cost gives 0.71 times the error, from 10 % to 5.0 %.");
-        assert_eq!(said[1], "At the same cost as the best, bad errs 4.00 times as much.");
+        assert_eq!(said[1], "At the same cost as the best, bad has 4.00 times the error.");
         assert!(said[2].contains("runtime") && said[2].contains("is on the front"), "{said:?}");
     }
 

@@ -175,7 +175,7 @@ fn staircase(sheet: &mut Sheet, diagram: &Diagram, frame: &Frame) {
 
 fn curve(sheet: &mut Sheet, diagram: &Diagram, series: &Series, k: usize, frame: &Frame, taken: &mut Taken) {
     let placed = |point: &Point| {
-        let at = frame.at(place(diagram, point).into())?;
+        let at = frame.at(place(diagram, point))?;
         is_measured(&place(diagram, point)).then_some((at, point.x_range))
     };
     let placed: Vec<(At, [f64; 2])> = series.points.iter().filter_map(placed).collect();
