@@ -20,6 +20,8 @@ pub fn shared() -> Option<PathBuf> {
     None
 }
 
+pub mod closed_forms;
+pub mod lit;
 pub mod picture;
 pub mod room;
 pub mod surfaces;

@@ -89,7 +89,7 @@ impl Finish {
         if material.unlit {
             finish.diffuse = DVec3::ZERO;
         } else if surfaces == Surfaces::Shiny {
-            let smooth = world.smooth_normal(arrival.triangle, arrival.barycentric) * side;
+            let smooth = world.shading_normal(arrival.triangle, arrival.barycentric, arrival.back);
             if smooth.as_dvec3().dot(arrival.to_viewer) > 1e-3 {
                 finish.world_from_local = local(smooth);
             }

@@ -86,7 +86,7 @@ mod tests {
     fn what_is_drawn_has_the_density_that_is_told_and_the_tables_albedo() {
         let table = SplitSum::new();
         let sobol = Sobol::new(1 << 14);
-        for roughness in [0.2_f64, 0.5, 0.8, 1.0] {
+        for roughness in [0.2_f64, 0.5, 0.8, 0.95] {
             for cosine in [0.2_f64, 0.6, 1.0] {
                 let view = DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
                 let alpha = roughness * roughness;
@@ -102,7 +102,7 @@ mod tests {
                 }
                 let count = f64::from(1 << 14);
                 let [scale, bias] = table.at(cosine, roughness);
-                assert!((albedo / count - scale - bias).abs() < 0.01, "{roughness} {cosine}: {albedo}");
+                assert!((albedo / count - scale - bias).abs() < 5e-3, "{roughness} {cosine}: {albedo}");
                 // Int cos^2 over the half sphere; narrow lobes hardly see its rim.
                 if roughness >= 0.8 {
                     assert!((solid_angle / count / (TAU / 3.0) - 1.0).abs() < 0.05, "{solid_angle}");

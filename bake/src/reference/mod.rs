@@ -35,7 +35,7 @@ pub enum Surfaces {
     /// Lambert's law alone, albedo * (1 - metallic), on flat triangles: what radiosity solves.
     #[default]
     Diffuse,
-    /// As the player shades: GGX on interpolated normals, and Lambert for what is not mirrored.
+    /// As the player shades: GGX on interpolated and mapped normals, and Lambert for what is not mirrored.
     Shiny,
 }
 

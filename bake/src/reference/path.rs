@@ -144,7 +144,7 @@ impl PathTracer {
     /// Reflected of what is joined by shadow rays: all punctual lights, and one point of an emitter.
     fn joined(&self, position: Vec3, normal: Vec3, finish: &Finish, bounce: u32, numbers: &Numbers) -> DVec3 {
         let chance = numbers.one(bounce * DECISIONS + SHADOW);
-        let mut sum = self.from_lights(position, normal, finish, chance);
+        let mut sum = self.lit(position, normal, finish, chance);
         if let Some(towards) = self.towards(position, normal, bounce, numbers) {
             let share = weight(towards.density, finish.density(towards.direction)) / towards.density;
             sum += finish.reflected(towards.direction) * towards.radiance * share;
@@ -152,7 +152,7 @@ impl PathTracer {
         sum
     }
 
-    fn from_lights(&self, position: Vec3, normal: Vec3, finish: &Finish, chance: f32) -> DVec3 {
+    fn lit(&self, position: Vec3, normal: Vec3, finish: &Finish, chance: f32) -> DVec3 {
         let world = &self.world;
         let reflected = |light: &engine::transport::direct::PlacedLight| {
             let (to_light, _) = light.towards(position);

@@ -88,10 +88,23 @@ impl World {
         (b - a).cross(c - a).normalize_or(Vec3::Y)
     }
 
-    /// Between the normals of the corners.
-    pub fn smooth_normal(&self, triangle: u32, [v, w]: [f32; 2]) -> Vec3 {
-        let [a, b, c] = self.surface.triangles[triangle as usize].corners.map(|corner| corner.normal);
-        (a * (1.0 - v - w) + b * v + c * w).normalize_or(self.normal(triangle))
+    /// Between the normals of the corners, with the normal map's bumps; on the side that is seen.
+    pub fn shading_normal(&self, triangle: u32, [v, w]: [f32; 2], back: bool) -> Vec3 {
+        let side = if back { -1.0 } else { 1.0 };
+        let corners = &self.surface.triangles[triangle as usize].corners;
+        let weights = [1.0 - v - w, v, w];
+        let smooth: Vec3 = (0..3).map(|k| corners[k].normal * weights[k]).sum();
+        let normal = smooth.normalize_or(self.normal(triangle)) * side;
+        let along: Vec4 = (0..3).map(|k| Vec4::from(corners[k].tangent) * weights[k]).sum();
+        let material = self.material(triangle);
+        let tangent = along.truncate().reject_from_normalized(normal).normalize_or_zero();
+        if material.normal_texture.is_none() || tangent == Vec3::ZERO {
+            return normal;
+        }
+        let texel = self.data(&material.normal_texture, &self.point(triangle, [v, w])).truncate();
+        let bump = (texel * 2.0 - 1.0) * Vec3::new(material.normal_scale, material.normal_scale, 1.0);
+        let bitangent = normal.cross(tangent) * (along.w.signum() * side);
+        (tangent * bump.x + bitangent * bump.y + normal * bump.z).normalize_or(normal)
     }
 
     pub fn position(&self, triangle: u32, [v, w]: [f32; 2]) -> Vec3 {
