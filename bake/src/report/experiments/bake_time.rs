@@ -6,7 +6,7 @@
 
 use engine::scene::file::Quality;
 
-use super::bakes::{Bakes, Made, Recipe, metres};
+use super::bakes::{Bakes, BesideMatrix, Made, Recipe, metres};
 use super::lit::weights;
 use super::matrix::Exactly;
 use super::truth::Truth;
@@ -146,13 +146,16 @@ fn total(bakes: &Bakes, presets: &[Preset], truth: &Truth) -> Diagram {
 fn form_factors(bakes: &Bakes, presets: &[Preset], shipped: Recipe, exactly: &Exactly) -> Diagram {
     let of_length =
         sorted(bakes, |made| made.recipe.length == shipped.length, |made| f64::from(made.recipe.rays));
-    let points = of_length.into_iter().map(|made| point(made, presets, &exactly.at_receivers));
+    let points = of_length.into_iter().filter_map(|made| {
+        let error = error(&made.beside_matrix.as_ref()?.shown, &exactly.at_receivers);
+        Some(Point { error, ..point(made, presets, &exactly.at_receivers) })
+    });
     Diagram {
         id: "bake_rays".to_owned(),
         title: "Bake time and the error of form factors".to_owned(),
         about: format!(
             "What do more rays bring? Clean bakes with patches of {}, against the matrix reference on the same patches \
-             with {} rays a row, all of them others; both solved exactly and seen at the same receivers.",
+             with {} rays a row, all of them others; both under the same direct light, solved exactly and seen at the same receivers.",
             metres(shipped.length),
             exactly.rays
         ),
@@ -169,7 +172,7 @@ fn matrices(bakes: &Bakes, presets: &[Preset], shipped: Recipe, exactly: &Exactl
     let of_length =
         sorted(bakes, |made| made.recipe.length == shipped.length, |made| f64::from(made.recipe.rays));
     let points = of_length.into_iter().filter_map(|made| {
-        let error = made.factors?;
+        let error = made.beside_matrix.as_ref()?.factors;
         Some(Point { error, ..point(made, presets, &exactly.at_receivers) })
     });
     Diagram {
@@ -207,8 +210,8 @@ fn patches(
         ..point(made, presets, &truth.field)
     });
     let mut floors = truth.floors();
-    if let (Some(exactly), Some(made)) = (exactly, bakes.of(Recipe { rays, ..shipped })) {
-        let y = point(made, presets, &exactly.at_receivers).error.rms;
+    if let (Some(exactly), Some(made)) = (exactly, beside(bakes, Recipe { rays, ..shipped })) {
+        let y = error(&made.shown, &exactly.at_receivers).rms;
         floors.push(Floor { name: format!("form factors from {rays} rays"), y });
     }
     Diagram {
@@ -232,11 +235,19 @@ fn sorted<'a>(bakes: &'a Bakes, which: impl Fn(&Made) -> bool, by: impl Fn(&Made
     made
 }
 
+fn beside<'a>(bakes: &'a Bakes, recipe: Recipe) -> Option<&'a BesideMatrix> {
+    bakes.of(recipe)?.beside_matrix.as_ref()
+}
+
+fn error(found: &[f64], reference: &[f64]) -> Error {
+    Error::of(found, reference, &weights(reference))
+}
+
 fn point(made: &Made, presets: &[Preset], reference: &[f64]) -> Point {
     let preset = presets.iter().find(|preset| preset.recipe == made.recipe);
     Point {
         setting: format!("{} rays", made.recipe.rays),
-        error: Error::of(&made.shown, reference, &weights(reference)),
+        error: error(&made.shown, reference),
         preset: preset.map(|preset| preset.quality.to_string()),
         ..timed(&made.seconds)
     }

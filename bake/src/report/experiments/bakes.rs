@@ -6,6 +6,7 @@ use std::time::Instant;
 use engine::scene::file::Quality;
 use engine::transport::key::BakeWith;
 use engine::transport::{Certificate, Transport, materials};
+use glam::Vec3;
 
 use super::lit::Lit;
 use super::matrix::Exactly;
@@ -32,16 +33,31 @@ pub struct Made {
     pub seconds: Vec<f64>,
     /// Irradiance at the evaluation points.
     pub shown: Vec<f64>,
-    /// Of the patches' form factors, where their matrix reference is known.
-    pub factors: Option<Error>,
+    /// Where the matrix reference of these patches is known.
+    pub beside_matrix: Option<BesideMatrix>,
+}
+
+/// What is compared with the matrix reference.
+pub struct BesideMatrix {
+    /// Irradiance at the evaluation points under that reference's direct light.
+    pub shown: Vec<f64>,
+    /// Of the patches' form factors.
+    pub factors: Error,
+}
+
+/// The matrix reference, the patch length that it is of, and its direct light by patch.
+#[derive(Clone, Copy)]
+pub struct OfLength<'a> {
+    pub length: f64,
+    pub exactly: &'a Exactly,
+    pub direct: &'a [Vec3],
 }
 
 /// What was baked so far.
 pub struct Bakes<'a> {
     pub opened: &'a Opened,
     pub points: &'a [Point],
-    /// The matrix reference and the patch length that it is of.
-    pub exactly: Option<(f64, &'a Exactly)>,
+    pub reference: Option<OfLength<'a>>,
     pub made: Vec<Made>,
     pub notes: Vec<String>,
 }
@@ -104,16 +120,16 @@ impl Bakes<'_> {
 
     fn look(&mut self, recipe: Recipe, seconds: f64, transport: &Transport) {
         let lit = Lit::new(self.opened, transport);
-        let shown = lit.shown(&lit.solved(), &lit.places(self.points));
-        let exactly = self.exactly.filter(|(length, _)| *length == recipe.length);
-        let factors = exactly.and_then(|(_, exactly)| exactly.error_of_factors(&transport.patch_from_patch));
-        self.made.push(Made {
-            recipe,
-            patches: transport.patches.len(),
-            seconds: vec![seconds],
-            shown,
-            factors,
+        let places = lit.places(self.points);
+        let shown = lit.shown(&lit.solved(), &places);
+        let reference = self.reference.filter(|reference| reference.length == recipe.length);
+        let beside_matrix = reference.and_then(|OfLength { exactly, direct, .. }| {
+            let rows = &transport.patch_from_patch;
+            let factors = exactly.error_of_factors(rows)?;
+            Some(BesideMatrix { shown: lit.shown(&lit.solve(rows, &lit.e(rows, direct)), &places), factors })
         });
+        let (patches, seconds) = (transport.patches.len(), vec![seconds]);
+        self.made.push(Made { recipe, patches, seconds, shown, beside_matrix });
     }
 }
 

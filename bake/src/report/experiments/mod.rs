@@ -27,7 +27,7 @@ mod tests;
 use engine::transport::{Rows, Transport};
 use glam::{DVec3, Vec3};
 
-use self::bakes::{Bakes, Quiet, Recipe};
+use self::bakes::{Bakes, OfLength, Quiet, Recipe};
 use self::bytes::Stored;
 use self::frame::Problem;
 use self::lit::Lit;
@@ -123,7 +123,7 @@ fn run(
     let lag = lag::diagrams(&lit, &others.part(FOR_LAG), watcher, notes)?;
     let frame = seen.frame(setup.played.as_ref(), &others.part(FOR_FRAME), watcher)?;
     let bytes = seen.bytes(&others.part(FOR_BYTES), watcher)?;
-    let ends = Ends { exactly: exactly.as_ref(), truth: &truth };
+    let ends = Ends { exactly: exactly.as_ref(), truth: &truth, direct_exactly: &seen.direct_exactly };
     measured.split = seen.split(setup, &ends, &others.part(FOR_RAW), watcher, notes)?;
     (measured.diagrams, measured.advice) = bakes(setup, &points, &ends, effort, budget, watcher, notes)?;
     measured.advice.extend(advice::of_frames(&frame));
@@ -138,6 +138,8 @@ fn run(
 struct Ends<'a> {
     exactly: Option<&'a Exactly>,
     truth: &'a Truth,
+    /// From punctual lights, by patch, from many samples.
+    direct_exactly: &'a [Vec3],
 }
 
 fn points_of(opened: &Opened, count: usize, notes: &mut Vec<String>) -> Vec<Point> {
@@ -160,8 +162,9 @@ fn bakes(
 ) -> Result<(Vec<Diagram>, Vec<Advice>), BakeError> {
     let shipped = shipped(&setup.transport);
     let presets = bake_time::presets(&setup.opened)?;
-    let exactly = ends.exactly.map(|exactly| (shipped.length, exactly));
-    let mut bakes = Bakes { opened: &setup.opened, points, exactly, made: Vec::new(), notes: Vec::new() };
+    let of_length = |exactly| OfLength { length: shipped.length, exactly, direct: ends.direct_exactly };
+    let reference = ends.exactly.map(of_length);
+    let mut bakes = Bakes { opened: &setup.opened, points, reference, made: Vec::new(), notes: Vec::new() };
     bake_time::bake_all(&mut bakes, &presets, shipped, effort.rays, budget, watcher)?;
     notes.append(&mut bakes.notes);
     let diagrams = bake_time::diagrams(&bakes, &presets, shipped, ends.exactly, ends.truth);
