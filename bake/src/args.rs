@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use bake::report::ReportSettings;
 use bake::{Method, Settings};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
@@ -17,7 +18,8 @@ use glam::Vec3;
     subcommand_negates_reqs = true,
     disable_help_subcommand = true,
     override_usage = "hohlraum-bake [OPTIONS] PROJECT\n       hohlraum-bake new PROJECT --from FILE...\n       \
-                      hohlraum-bake plan|check PROJECT\n       hohlraum-bake query PROJECT --points|--probes IN.csv --out OUT.csv",
+                      hohlraum-bake plan|check PROJECT\n       hohlraum-bake query PROJECT --points|--probes IN.csv --out OUT.csv\n       \
+                      hohlraum-bake report PROJECT --out DIR",
     after_help = "A project folder with the name of a command is reached as ./NAME.\n\
                   Exit codes: 0 done, 1 a check or the job failed, 2 wrong usage."
 )]
@@ -41,6 +43,8 @@ pub enum Command {
     Check(CheckArgs),
     /// Light at points of one's own
     Query(QueryArgs),
+    /// Measure error against run time: tables, plots and a page
+    Report(ReportArgs),
 }
 
 #[derive(Debug, Args)]
@@ -143,6 +147,24 @@ pub struct QueryArgs {
     pub json: bool,
 }
 
+#[derive(Debug, Args)]
+pub struct ReportArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// The folder of the report; it is made where it is not there
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// What the whole report may take, baking included; what does not fit is left out and named
+    #[arg(long, value_name = "SECONDS", default_value = "300", value_parser = budget, allow_negative_numbers = true)]
+    pub budget: f64,
+    /// As many as the machine has where nothing is said
+    #[arg(long, value_name = "N", value_parser = threads())]
+    pub threads: Option<usize>,
+    /// Print one JSON object on stdout
+    #[arg(long)]
+    pub json: bool,
+}
+
 impl SceneArgs {
     pub fn name(&self) -> Option<&str> {
         self.scene.as_deref()
@@ -156,6 +178,13 @@ impl SceneArgs {
 impl QueryArgs {
     pub fn settings(&self) -> Settings {
         Settings { force: self.force, ..self.scene.settings() }
+    }
+}
+
+impl ReportArgs {
+    pub fn settings(&self) -> ReportSettings {
+        let (quality, out) = (self.scene.quality, self.out.clone());
+        ReportSettings { quality, threads: self.threads, budget: self.budget, out }
     }
 }
 
@@ -194,6 +223,15 @@ fn threads() -> impl TypedValueParser<Value = usize> {
 fn length(text: &str) -> Result<f64, String> {
     let metres: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
     if metres.is_finite() && metres > 0.0 { Ok(metres) } else { Err("must be above 0".to_owned()) }
+}
+
+fn budget(text: &str) -> Result<f64, String> {
+    let seconds: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    if seconds.is_finite() && seconds >= 1.0 {
+        Ok(seconds)
+    } else {
+        Err("must be at least 1 second".to_owned())
+    }
 }
 
 fn radiance(text: &str) -> Result<Vec3, String> {

@@ -156,14 +156,17 @@ pub fn bake(
     settings: &Settings,
     watcher: &dyn Watcher,
 ) -> Result<Baked, BakeError> {
-    match settings.threads {
-        None => run(project, scene, settings, watcher),
-        Some(threads) => {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-            let pool = pool.map_err(|error| BakeError::Other(format!("{threads} threads: {error}")))?;
-            pool.install(|| run(project, scene, settings, watcher))
-        }
-    }
+    on_threads(settings.threads, || run(project, scene, settings, watcher))
+}
+
+/// `None`: as many as the machine has.
+fn on_threads<T: Send>(
+    threads: Option<usize>,
+    work: impl FnOnce() -> Result<T, BakeError> + Send,
+) -> Result<T, BakeError> {
+    let Some(threads) = threads else { return work() };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    pool.map_err(|error| BakeError::Other(format!("{threads} threads: {error}")))?.install(work)
 }
 
 fn run(

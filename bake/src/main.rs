@@ -26,6 +26,7 @@ fn run(arguments: Arguments) -> (bool, Result<ExitCode, Error>) {
         (Some(Command::Plan(args)), _) => (args.json, commands::plan::run(&args)),
         (Some(Command::Check(args)), _) => (args.json, commands::check::run(&args)),
         (Some(Command::Query(args)), _) => (args.json, commands::query::run(&args)),
+        (Some(Command::Report(args)), _) => (args.json, commands::report::run(&args)),
         (None, Some(scene)) => (arguments.bake.json, commands::bake::run(&scene, &arguments.bake)),
         (None, None) => (false, Err(anyhow::anyhow!("which project?"))), // clap asks for it before
     }

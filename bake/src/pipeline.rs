@@ -31,7 +31,7 @@ use engine::transport::bvh::Bvh;
 /// Rays of a light-probe row: few probes, each with nine coefficients to get right.
 pub const PROBE_RAYS: u32 = 4096;
 /// A point that meets back faces with more than this share of its rays lies inside something.
-const INSIDE: f64 = 0.25;
+pub const INSIDE: f64 = 0.25;
 
 /// Where rows are kept while they are traced.
 pub struct Caches {
@@ -171,9 +171,9 @@ pub fn sampled(scene: &Scene, transport: &Transport) -> Vec<bool> {
     transport.patches.iter().map(|patch| material(patch.batch).is_some_and(|m| m.emission.sampled)).collect()
 }
 
-type Towards = Vec<Vec<(u32, f64)>>;
+pub type Towards = Vec<Vec<(u32, f64)>>;
 
-fn patches_towards_emitters(tracer: &Tracer, emitters: &Emitters) -> Result<Towards, BakeError> {
+pub fn patches_towards_emitters(tracer: &Tracer, emitters: &Emitters) -> Result<Towards, BakeError> {
     rows_towards(tracer, emitters, "patches towards emitters", tracer.scene.patch_areas.len(), |i| {
         if emitters.is_emitter[i] { Vec::new() } else { emitters.patch_row(tracer, i, SAMPLES) }
     })
@@ -212,7 +212,7 @@ fn rows_towards(
 
 /// Rows of receivers as they were counted: what was sampled towards takes its share, the rest is scaled so that
 /// the row closes. Weights are such as four bytes hold.
-fn receiver_rows(hits: &Hits, rays: u32, emitters: &Emitters, towards: &Towards) -> Rows {
+pub fn receiver_rows(hits: &Hits, rays: u32, emitters: &Emitters, towards: &Towards) -> Rows {
     let finished: Vec<Vec<(u32, f32)>> =
         (0..hits.len()).into_par_iter().map(|i| receiver_row(hits, i, rays, emitters, &towards[i])).collect();
     let mut rows = Rows::default();

@@ -20,6 +20,8 @@ pub struct Bar {
     cancelled: Arc<AtomicBool>,
     rays: AtomicU64,
     stage: Mutex<Stage>,
+    /// When all stages together are to be done; none: nobody knows.
+    ends: Option<Instant>,
 }
 
 struct Stage {
@@ -33,10 +35,26 @@ impl Bar {
         let plain = !std::io::stderr().is_terminal();
         let target = if plain { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
         let bar = ProgressBar::with_draw_target(Some(0), target);
-        bar.set_style(style());
+        bar.set_style(style("{msg}  {eta} left"));
         let now = Instant::now();
         let stage = Stage { name: String::new(), began: now, last_line: now };
-        Self { bar, plain, cancelled: Arc::default(), rays: AtomicU64::new(0), stage: Mutex::new(stage) }
+        let (cancelled, rays) = (Arc::default(), AtomicU64::new(0));
+        Self { bar, plain, cancelled, rays, stage: Mutex::new(stage), ends: None }
+    }
+
+    /// Of work that is limited as a whole: shows what is left of that, not of the stage.
+    pub fn within(limit: Duration) -> Self {
+        let mut bar = Self::new();
+        bar.bar.set_style(style("{msg}"));
+        bar.ends = Instant::now().checked_add(limit);
+        bar
+    }
+
+    /// Rays per second, and what is left of the whole where that is limited.
+    fn message(&self, rays: u64) -> String {
+        let rate = (rays > 0).then(|| rate(rays, self.bar.elapsed()));
+        let parts = [rate, self.ends.map(left)];
+        parts.into_iter().flatten().collect::<Vec<_>>().join("  ")
     }
 
     /// The first Ctrl-C (or SIGTERM) asks the bake to stop and keep what it has, the second ends the program,
@@ -66,7 +84,9 @@ impl Bar {
         stage.last_line = Instant::now();
         let steps = self.bar.length().unwrap_or(0);
         let rays = self.rays.load(Ordering::Relaxed);
-        eprintln!("{}", line(&stage.name, self.bar.position(), steps, rays, stage.began.elapsed()));
+        let limit = self.ends.map_or(String::new(), |ends| format!(", {}", left(ends)));
+        let line = line(&stage.name, self.bar.position(), steps, rays, stage.began.elapsed());
+        eprintln!("{line}{limit}");
     }
 }
 
@@ -90,9 +110,11 @@ impl Watcher for Bar {
         self.bar.set_length(steps);
         self.bar.reset();
         self.bar.set_prefix(name.to_owned());
-        self.bar.set_message("");
-        if self.plain {
-            eprintln!("{name}");
+        self.bar.set_message(self.message(0));
+        match self.ends.filter(|_| self.plain) {
+            Some(ends) => eprintln!("{name}, {}", left(ends)),
+            None if self.plain => eprintln!("{name}"),
+            None => {}
         }
     }
 
@@ -101,8 +123,8 @@ impl Watcher for Bar {
         self.bar.inc(steps);
         if self.plain {
             self.print_line();
-        } else if rays > 0 {
-            self.bar.set_message(rate(rays, self.bar.elapsed()));
+        } else {
+            self.bar.set_message(self.message(rays));
         }
     }
 
@@ -111,8 +133,8 @@ impl Watcher for Bar {
     }
 }
 
-fn style() -> ProgressStyle {
-    ProgressStyle::with_template("{prefix:<14} {wide_bar} {percent:>3} %  {msg}  {eta} left")
+fn style(end: &str) -> ProgressStyle {
+    ProgressStyle::with_template(&format!("{{prefix:<14}} {{wide_bar}} {{percent:>3}} %  {end}"))
         .unwrap_or_else(|_| ProgressStyle::default_bar())
 }
 
@@ -129,6 +151,11 @@ fn line(stage: &str, done: u64, steps: u64, rays: u64, elapsed: Duration) -> Str
     line
 }
 
+fn left(ends: Instant) -> String {
+    let left = ends.saturating_duration_since(Instant::now()).as_secs();
+    format!("at most {left} s left of the whole")
+}
+
 fn rate(rays: u64, elapsed: Duration) -> String {
     format!("{:.2} Mray/s", rays as f64 / elapsed.as_secs_f64().max(1e-3) * 1e-6)
 }
@@ -141,6 +168,15 @@ mod tests {
     fn a_line_tells_share_rate_and_remaining_time() {
         let told = line("rays", 25, 100, 3_000_000, Duration::from_secs(2));
         assert_eq!(told, "rays: 25 %, 1.50 Mray/s, 6 s left");
+    }
+
+    #[test]
+    fn limited_work_tells_what_is_left_of_the_whole() {
+        assert_eq!(left(Instant::now()), "at most 0 s left of the whole");
+        let bar = Bar::within(Duration::from_secs(100));
+        let told = bar.message(1_000_000);
+        assert!(told.contains("Mray/s") && told.ends_with("s left of the whole"), "{told}");
+        assert_eq!(Bar::new().message(0), "");
     }
 
     #[test]

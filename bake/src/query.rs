@@ -10,7 +10,7 @@ use engine::transport::direct::{PlacedLight, extent, irradiance_of_patches, plac
 use engine::transport::materials::{self, PatchMaterials};
 use engine::transport::sh::{COEFFICIENTS, basis};
 use engine::transport::solve::{System, exact, gather, limit_gain};
-use engine::transport::surface::Blend;
+use engine::transport::surface::{Blend, Surface};
 use engine::transport::{NONE, Transport, sky};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -131,31 +131,13 @@ impl Query {
 
     /// The front face (or the back of a double-sided one) that a point lies on.
     fn find(&self, point: &Point) -> Result<Place, String> {
-        let transport = self.transport();
-        let position = (point.position - transport.origin).as_vec3();
+        let position = (point.position - self.transport().origin).as_vec3();
         let normal = point.normal.normalize_or_zero().as_vec3();
         if normal == Vec3::ZERO || !position.is_finite() {
             return Err("it has no normal, or is not finite".to_owned());
         }
-        let mut best: Option<(f32, Place)> = None;
-        for (t, corners) in self.rays.triangles.iter().enumerate() {
-            let cross = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
-            let back = cross.dot(normal) < 0.0;
-            if cross.dot(normal).abs() < COS_TURN || self.rays.patches[t][usize::from(back)] == NONE {
-                continue;
-            }
-            let barycentric = nearest(position, corners);
-            let [v, w] = barycentric;
-            let at = corners[0] + (corners[1] - corners[0]) * v + (corners[2] - corners[0]) * w;
-            let distance = at.distance(position);
-            if best.as_ref().is_none_or(|(least, _)| distance < *least) {
-                let normal = if back { -cross } else { cross };
-                best =
-                    Some((distance, Place { triangle: t as u32, back, barycentric, position: at, normal }));
-            }
-        }
         let reach = REACH * self.extent * 2.0;
-        match best {
+        match nearest_face(&self.rays, position, normal) {
             Some((distance, place)) if distance <= reach => Ok(place),
             Some((distance, _)) => {
                 Err(format!("the nearest front face with such a normal is {distance:.3e} m away"))
@@ -165,17 +147,11 @@ impl Query {
     }
 
     /// Irradiance from emitters and sky, and from all that reflects, as the vertices of a triangle blend it.
-    fn blended(&self, triangle: u32, back: bool, [v, w]: [f32; 2]) -> (DVec3, DVec3) {
-        let surface = &self.transport().surface;
-        let blends = if back { &surface.back_blends } else { &surface.blends };
+    fn blended(&self, triangle: u32, back: bool, barycentric: [f32; 2]) -> (DVec3, DVec3) {
         let (mut direct, mut indirect) = (DVec3::ZERO, DVec3::ZERO);
-        for (vertex, weight) in surface.triangles[triangle as usize].into_iter().zip([1.0 - v - w, v, w]) {
-            let Blend { receivers, weights } = blends[vertex as usize];
-            for (receiver, share) in receivers.into_iter().zip(weights).filter(|(_, share)| *share > 0.0) {
-                let share = f64::from(weight) * f64::from(share);
-                direct += self.from_emitters[receiver as usize] * share;
-                indirect += self.reflected[receiver as usize] * share;
-            }
+        for (receiver, share) in receivers_at(&self.transport().surface, triangle, back, barycentric) {
+            direct += self.from_emitters[receiver] * share;
+            indirect += self.reflected[receiver] * share;
         }
         (direct, indirect)
     }
@@ -291,17 +267,55 @@ impl Query {
 }
 
 /// A point on a surface.
-struct Place {
+pub struct Place {
+    pub triangle: u32,
+    pub back: bool,
+    pub barycentric: [f32; 2],
+    pub position: Vec3,
+    /// As it was asked for, within 30 degrees of the face's.
+    pub normal: Vec3,
+}
+
+/// The front face (or the back of a double-sided one) that is nearest to a point, and how far it is, among those
+/// within 30 degrees of a normal.
+pub fn nearest_face(rays: &RayScene, position: Vec3, normal: Vec3) -> Option<(f32, Place)> {
+    let mut best: Option<(f32, Place)> = None;
+    for (t, corners) in rays.triangles.iter().enumerate() {
+        let cross = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
+        let back = cross.dot(normal) < 0.0;
+        if cross.dot(normal).abs() < COS_TURN || rays.patches[t][usize::from(back)] == NONE {
+            continue;
+        }
+        let barycentric = nearest(position, corners);
+        let [v, w] = barycentric;
+        let at = corners[0] + (corners[1] - corners[0]) * v + (corners[2] - corners[0]) * w;
+        let distance = at.distance(position);
+        if best.as_ref().is_none_or(|(least, _)| distance < *least) {
+            let normal = if back { -cross } else { cross };
+            best = Some((distance, Place { triangle: t as u32, back, barycentric, position: at, normal }));
+        }
+    }
+    best
+}
+
+/// What a point of a triangle reads: receivers, and how much of each.
+pub fn receivers_at(
+    surface: &Surface,
     triangle: u32,
     back: bool,
-    barycentric: [f32; 2],
-    position: Vec3,
-    /// As it was asked for, within 30 degrees of the face's.
-    normal: Vec3,
+    [v, w]: [f32; 2],
+) -> impl Iterator<Item = (usize, f64)> + '_ {
+    let blends = if back { &surface.back_blends } else { &surface.blends };
+    let corners = surface.triangles[triangle as usize].into_iter().zip([1.0 - v - w, v, w]);
+    corners.flat_map(|(vertex, weight)| {
+        let Blend { receivers, weights } = blends[vertex as usize];
+        let shares = receivers.into_iter().zip(weights).filter(|(_, share)| *share > 0.0);
+        shares.map(move |(receiver, share)| (receiver as usize, f64::from(weight) * f64::from(share)))
+    })
 }
 
 /// What rays meet, in metres from the transport's origin.
-fn ray_scene(transport: &Transport) -> RayScene {
+pub fn ray_scene(transport: &Transport) -> RayScene {
     let surface = &transport.surface;
     RayScene {
         triangles: (0..surface.triangles.len()).map(|t| surface.positions(t)).collect(),

@@ -81,7 +81,8 @@ fn a_project_with_the_name_of_a_command_is_reached_by_its_path() {
 #[test]
 fn help_names_every_command_and_option() {
     let help = run(&["--help"]).done().stdout;
-    let words = ["new", "plan", "check", "query", "--scene", "--quality", "--rays", "--patch-length"];
+    let words =
+        ["new", "plan", "check", "query", "report", "--scene", "--quality", "--rays", "--patch-length"];
     for word in words.iter().chain(&["--threads", "--force", "--json"]) {
         assert!(help.contains(word), "{word} is not in: {help}");
     }

@@ -83,12 +83,13 @@ fn scenes_without_light_camera_or_geometry_are_played() {
 #[test]
 fn wrong_usage_is_2_and_says_what_is_right() {
     let nowhere = Path::new("nowhere");
-    let wrong: [(&[&str], &str); 7] = [
+    let wrong: [(&[&str], &str); 8] = [
         (&["--vsync", "perhaps"], "on or off"),
         (&["--view", "wonderful"], "composite, direct"),
         (&["--size", "0x10"], "1280x720"),
         (&["--frames", "0"], "frames"),
         (&["--every", "0"], "every"),
+        (&["--products", "0"], "products"),
         (&["--fixed-dt", "-1"], "0 or more"),
         (&["--wings"], "--wings"),
     ];
@@ -192,4 +193,64 @@ fn the_overlay_is_there_when_asked_for_and_read_on_black_and_on_white() {
             line.len()
         );
     }
+}
+
+/// Space, index and rgb of every line of a `--light` file.
+fn light_of(path: &Path) -> Vec<(String, usize, [f32; 3])> {
+    let text = std::fs::read_to_string(path).unwrap();
+    let mut lines = text.lines();
+    assert_eq!(lines.next(), Some("space,index,r,g,b"));
+    let row = |line: &str| {
+        let cells: Vec<&str> = line.split(',').collect();
+        let number = |k: usize| cells[k].parse::<f32>().unwrap();
+        (cells[0].to_owned(), cells[1].parse().unwrap(), [number(2), number(3), number(4)])
+    };
+    lines.map(row).collect()
+}
+
+#[test]
+fn the_light_of_the_gpu_is_written_when_asked_for() {
+    if !can_draw() {
+        return;
+    }
+    let folder = project(&without_cube(), Some(&floor()));
+    let file = folder.path().join("deep/light.csv");
+    let args = ["--frames", "3", "--size", "32x32", "--light", file.to_str().unwrap()];
+    plays(folder.path(), &args);
+    let light = light_of(&file);
+    let of = |space: &str| light.iter().filter(|row| row.0 == space).collect::<Vec<_>>();
+    // Of the lamp's 10 W/sr the floor gets its solid angle over its area, and reflects half; nothing comes back.
+    let corner = |a: f32, b: f32| (a * b / (2.0 * (a * a + b * b + 4.0).sqrt())).atan();
+    let lit = 0.5 * 10.0 * (corner(3.0, 3.0) + 2.0 * corner(3.0, 1.0) + corner(1.0, 1.0)) / 16.0;
+    for space in ["exitance", "radiosity"] {
+        let rows = of(space);
+        assert_eq!((rows.len(), rows[0].1), (1, 0), "{space}");
+        assert!(rows[0].2.iter().all(|value| (value / lit - 1.0).abs() < 1e-4), "{space}: {rows:?} {lit}");
+    }
+    assert_eq!(of("irradiance")[0].2, [0.0; 3], "a floor sees no patch");
+    assert_eq!(of("irradiance").len() + 2, light.len(), "the bake has no probes: {light:?}");
+}
+
+fn without_cube() -> Scene {
+    let mut scene = scene();
+    scene.entities.retain(|entity| entity.name != "cube");
+    scene
+}
+
+#[test]
+fn light_is_passed_on_so_often_as_is_said() {
+    if !can_draw() {
+        return;
+    }
+    let folder = project(&without_cube(), Some(&floor()));
+    let stats = folder.path().join("stats.json");
+    let products = |args: &[&str]| {
+        let own = ["--frames", "3", "--size", "32x32", "--stats", stats.to_str().unwrap()];
+        plays(folder.path(), &[&own[..], args].concat());
+        let stats: serde_json::Value =
+            serde_json::from_str(&std::fs::read_to_string(&stats).unwrap()).unwrap();
+        stats["products"].clone()
+    };
+    assert_eq!(products(&["--products", "5"]), serde_json::json!([5, 5, 5]));
+    assert_eq!(products(&[])[2], 0, "what is solved is left alone");
 }

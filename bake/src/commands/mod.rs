@@ -6,6 +6,7 @@ mod columns;
 pub mod new;
 pub mod plan;
 pub mod query;
+pub mod report;
 mod staging;
 
 use std::path::Path;

@@ -17,6 +17,8 @@ pub struct Report {
     /// As the player draws it, PNG; none where there is no player or nothing to draw with.
     #[serde(skip)]
     pub picture: Option<Vec<u8>>,
+    /// Of the player; none where there is none or nothing to draw with.
+    pub frame: Option<FrameTime>,
     pub diagrams: Vec<Diagram>,
     pub split: Split,
     pub advice: Vec<Advice>,
@@ -38,6 +40,24 @@ pub struct Machine {
     /// What the player drew with, and whether its passes were timed by the GPU or by the CPU.
     pub adapter: Option<String>,
     pub timing: Option<String>,
+}
+
+/// What a picture of the moving scene takes, 960 x 540 pixels.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct FrameTime {
+    pub passes: Vec<PassTime>,
+    /// From picture to picture by the clock, waiting for the GPU.
+    pub whole: Option<PassTime>,
+    /// The error of B is at most this share of the largest B, once the scene has been still for a while.
+    pub bound: Option<f64>,
+}
+
+/// Milliseconds a frame.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct PassTime {
+    pub name: String,
+    pub median: f64,
+    pub p99: f64,
 }
 
 /// One work-precision diagram.
@@ -131,6 +151,8 @@ pub struct Part {
     pub error: Error,
     /// Why it was not measured; its error is then 0 and its share lies in another part that is named here.
     pub left_out: Option<String>,
+    /// A field of its own, at other places: it stands beside the sum.
+    pub is_apart: bool,
 }
 
 /// What to change, and what that brings, from measured points.

@@ -40,6 +40,12 @@ struct Args {
     /// Writes what the run cost.
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
+    /// After the last frame, writes the light that the GPU solved: space,index,r,g,b.
+    #[arg(long, value_name = "FILE.csv")]
+    light: Option<PathBuf>,
+    /// Passes light on so often in every frame, to measure what that brings, instead of by the bound of its error.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    products: Option<u32>,
     /// composite, direct, indirect, reflection, albedo, normal, patches, density, probes or tetrahedra.
     #[arg(long, value_name = "VIEW", default_value = "composite", value_parser = view)]
     view: View,
@@ -69,6 +75,8 @@ fn main() -> ExitCode {
         out: args.out,
         every: args.every,
         stats: args.stats,
+        light: args.light,
+        products: args.products,
         view: args.view,
         exposure: args.exposure,
         vsync: args.vsync,

@@ -44,7 +44,7 @@ impl Cubemaps {
         if baked(&world.scene).count() == self.load(&world.scene).len() {
             return Ok(());
         }
-        let settings = Settings { wait: true, ..settings };
+        let settings = Settings { wait: true, products: None, ..settings };
         let mut renderer = Renderer::new(gpu.clone(), world.transport.clone(), &world.assets, settings)?;
         let display = texture::target(gpu, "preparation", [16, 16], 1, wgpu::TextureFormat::Rgba8UnormSrgb);
         let world_from_local = world.placed_at(0.0);

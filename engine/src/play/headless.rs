@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::light;
 use super::lose::LoseDevice;
 use super::overlay::{self, Took};
 use super::statistics::Statistics;
@@ -18,13 +19,15 @@ pub fn run(options: &Options, mut world: World) -> Result<(), PlayError> {
     let gpu = Arc::new(Gpu::headless()?);
     eprintln!("{}", gpu.name());
     can_draw(&gpu, options.size)?;
-    let settings = Settings { wait: true, unlimited_gain: world.unlimited_gain, ..Settings::default() };
+    let (unlimited_gain, products) = (world.unlimited_gain, options.products);
+    let settings = Settings { wait: true, unlimited_gain, products, ..Settings::default() };
     world.cubemaps.prepare(&gpu, &world, settings)?;
     let mut renderer = Renderer::new(gpu.clone(), world.transport.clone(), &world.assets, settings)?;
     renderer.give_cubemaps(world.cubemaps.load(&world.scene));
     let display = texture::target(&gpu, "display", options.size, 1, wgpu::TextureFormat::Rgba8UnormSrgb);
     let mut statistics = Statistics::new(options.stats.as_deref());
-    let ended = draw_all(options, &mut world, &mut renderer, &display, &mut statistics);
+    let ended = draw_all(options, &mut world, &mut renderer, &display, &mut statistics)
+        .and_then(|()| light::write(options.light.as_deref(), &renderer));
     statistics.finish(ended, Some(&renderer), &world, options.size)
 }
 

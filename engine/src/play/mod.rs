@@ -4,6 +4,7 @@ pub mod clock;
 mod cubemaps;
 mod fly;
 mod headless;
+mod light;
 mod lose;
 mod overlay;
 mod show;
@@ -38,6 +39,10 @@ pub struct Options {
     /// Headless: every so manieth frame is written, and the last.
     pub every: u64,
     pub stats: Option<PathBuf>,
+    /// Where the light goes that the GPU solved, after the last frame.
+    pub light: Option<PathBuf>,
+    /// Of every frame, instead of what the bound asks for.
+    pub products: Option<u32>,
     pub view: View,
     /// Instead of the camera's.
     pub exposure: Option<f32>,
@@ -61,6 +66,8 @@ impl Options {
             out: None,
             every: 1,
             stats: None,
+            light: None,
+            products: None,
             view: View::Composite,
             exposure: None,
             vsync: true,

@@ -62,6 +62,7 @@ impl Stage {
         let settings = Settings {
             wait: options.fixed_dt.is_some(),
             unlimited_gain: world.unlimited_gain,
+            products: options.products,
             ..Settings::default()
         };
         world.cubemaps.prepare(&gpu, world, settings)?;

@@ -12,6 +12,7 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
 use winit::keyboard::{KeyCode, PhysicalKey};
 use winit::window::{Window, WindowId};
 
+use super::light;
 use super::lose::LoseDevice;
 use super::overlay::{self, KEYS, Took};
 use super::show::Show;
@@ -43,6 +44,10 @@ pub fn run(options: &Options, world: World) -> Result<(), PlayError> {
     let Player { show, stage, ended, statistics, .. } = player;
     let renderer = stage.as_ref().map(|stage| &stage.renderer);
     let size = stage.as_ref().map_or(options.size, Stage::size);
+    let ended = ended.and_then(|()| match renderer {
+        Some(renderer) => light::write(options.light.as_deref(), renderer),
+        None => Ok(()),
+    });
     statistics.finish(ended, renderer, &show.world, size)
 }
 

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3, Vec4};
 
 use super::RenderError;
 use super::direct::PatchShadows;
@@ -22,6 +22,19 @@ use crate::transport::{Occluders, Transport};
 pub struct Exposed {
     pub exposure: f32,
     pub pre_exposure: f32,
+}
+
+/// The light of the last frame [W/m2], one vector an element.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Solved {
+    /// E by patch: emitted, and reflected once from punctual lights.
+    pub exitance: Vec<Vec3>,
+    /// B by patch; then, by sky patch, pi times its radiance.
+    pub radiosity: Vec<Vec3>,
+    /// By receiver, without what comes straight from punctual lights.
+    pub irradiance: Vec<Vec3>,
+    /// Nine coefficients a probe [W/m2/sr]; none where nothing reads probes.
+    pub probes: Vec<Vec3>,
 }
 
 impl Renderer {
@@ -78,6 +91,28 @@ impl Renderer {
     /// The light as it lies on the GPU.
     pub fn spaces(&self) -> &Spaces {
         &self.spaces
+    }
+
+    /// The same, read back. Blocks.
+    pub fn solved(&self) -> Result<Solved, GpuError> {
+        let (spaces, unit) = (&self.spaces, self.sources.unit());
+        let read = |buffer: &wgpu::Buffer, count: usize, unit: f32| -> Result<Vec<Vec3>, GpuError> {
+            let values: Vec<Vec4> = buffer::read(&self.gpu, buffer)?;
+            Ok(values.into_iter().take(count).map(|value| value.truncate() * unit).collect())
+        };
+        // What is emitted and what bounced lie apart.
+        let sum = |[emitted, bounced]: &[wgpu::Buffer; 2], count| -> Result<Vec<Vec3>, GpuError> {
+            let both = read(emitted, count, 1.0)?.into_iter().zip(read(bounced, count, 1.0)?);
+            Ok(both.map(|(emitted, bounced)| emitted + bounced).collect())
+        };
+        let patches = spaces.patch_count as usize;
+        let probes = if self.probes_current { 9 * spaces.probe_count as usize } else { 0 };
+        Ok(Solved {
+            exitance: read(&spaces.exitance, patches, unit)?,
+            radiosity: read(&spaces.radiosity, self.transport.columns(), unit)?,
+            irradiance: sum(&spaces.receivers, spaces.receiver_count as usize)?,
+            probes: sum(&spaces.probes, probes)?,
+        })
     }
 
     /// The light of what moves.

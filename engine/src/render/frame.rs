@@ -74,6 +74,8 @@ pub struct Settings {
     pub no_light_grid: bool,
     /// Albedo as authored, however long light bounces in a closed room.
     pub unlimited_gain: bool,
+    /// Of every frame, to measure what they bring; `None`: as many as the bound asks for.
+    pub products: Option<u32>,
 }
 
 /// What a frame came to.

@@ -38,7 +38,7 @@ mod shadow_view;
 pub mod sky;
 pub mod sources;
 pub mod spaces;
-pub mod steering;
+
 pub mod surface;
 pub mod targets;
 pub mod tonemap;
@@ -46,6 +46,8 @@ pub mod unit;
 pub mod view;
 
 use crate::gpu::GpuError;
+pub use crate::transport::steering;
+pub use account::Solved;
 pub use direct::PatchShadows;
 pub use frame::{Drawn, Now, Renderer, Settings};
 pub use view::{Eye, View};

@@ -51,7 +51,8 @@ impl Renderer {
         }
         let (gain, choice) = (self.sources.cavity_gain(), self.sources.choice());
         // Where there are no patches nothing is measured, and nothing is to be solved.
-        let products = if self.spaces.patch_count == 0 { 0 } else { self.steering.products(gain, &choice) };
+        let asked = self.settings.products.unwrap_or_else(|| self.steering.products(gain, &choice));
+        let products = if self.spaces.patch_count == 0 { 0 } else { asked };
         let tag = (self.steering.version(), self.sources.unit());
         dispatches += self.bounce.run(encoder, timer, &self.coarse, products, tag);
         let probes_late = probes_read && !self.probes_current;

@@ -13,11 +13,8 @@ use super::unit;
 use crate::gpu::{Gpu, GpuError};
 use crate::scene::Sky;
 use crate::transport::materials::{PatchMaterials, of_patches};
-use crate::transport::solve::{self, Case, Choice, Method, System, choose};
-use crate::transport::{NONE, Transport, sky};
-
-/// Entries of patch rows that a frame may read: 2 GB, what a desktop's GPU reads in a third of a frame.
-const BUDGET: f64 = 2.5e8;
+use crate::transport::solve::{self, Choice, Method, System, choose_for_frames};
+use crate::transport::{Transport, sky};
 
 pub struct Sources {
     transport: Arc<Transport>,
@@ -56,7 +53,7 @@ pub struct Changed {
 
 impl Sources {
     pub fn new(transport: Arc<Transport>, settings: &Settings) -> Self {
-        let choice = choice(&transport, 1.0);
+        let choice = choose_for_frames(&transport.patch_from_patch, &transport.patches, 1.0);
         Self {
             transport,
             unlimited_gain: settings.unlimited_gain,
@@ -149,7 +146,7 @@ impl Sources {
         self.gain = stand_in(&self.transport, albedo);
         self.black = albedo.iter().all(|albedo| *albedo == Vec3::ZERO);
         let system = System { rows, patches: &self.transport.patches, albedo };
-        self.choice = choice(&self.transport, self.gain);
+        self.choice = self.chosen();
         let corrected = self.choice.method == Method::TwoLevel;
         coarse.set(gpu, &if corrected { solve::Coarse::new(&system) } else { solve::Coarse::default() })?;
         let (sender, receiver) = mpsc::channel();
@@ -175,7 +172,8 @@ impl Sources {
         self.coming = None;
         // Solved to seven digits; a little is added to be on the safe side.
         self.gain = self.gain.min(gain * 1.001);
-        let before = std::mem::replace(&mut self.choice, choice(&self.transport, self.gain));
+        let chosen = self.chosen();
+        let before = std::mem::replace(&mut self.choice, chosen);
         if self.choice.method == Method::Jacobi && before.method == Method::TwoLevel {
             coarse.set(gpu, &solve::Coarse::default())?;
         }
@@ -185,6 +183,11 @@ impl Sources {
     /// The largest: solved for where that is done, else what stands in for it.
     pub fn cavity_gain(&self) -> f32 {
         self.gain
+    }
+
+    fn chosen(&self) -> Choice {
+        let transport = &self.transport;
+        choose_for_frames(&transport.patch_from_patch, &transport.patches, f64::from(self.gain))
     }
 
     /// How frames iterate.
@@ -212,15 +215,4 @@ fn stand_in(transport: &Transport, albedo: &[Vec3]) -> f32 {
         .map(|(i, albedo)| f64::from(albedo.max_element()) * transport.patch_from_patch.sum(i));
     let most = kept.fold(0.0, f64::max);
     (1.0 / (1.0 - most).max(1e-7)) as f32
-}
-
-fn choice(transport: &Transport, gain: f32) -> Choice {
-    let aggregates = transport.patches.iter().map(|patch| patch.aggregate).filter(|&a| a != NONE);
-    choose(&Case {
-        gain: f64::from(gain),
-        patches: transport.patches.len(),
-        entries: transport.patch_from_patch.entries(),
-        aggregates: aggregates.max().map_or(0, |last| last as usize + 1),
-        budget: BUDGET,
-    })
 }

@@ -36,6 +36,7 @@ pub mod sky;
 pub mod solid_angle;
 pub mod solve;
 pub mod stale;
+pub mod steering;
 pub mod surface;
 pub mod tetrahedra;
 pub mod tree;

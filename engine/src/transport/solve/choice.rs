@@ -13,7 +13,7 @@
 //! The truth is solved for by conjugate gradients: the fewest products by far, and its sums cost nothing on a CPU.
 
 use super::Method;
-use crate::transport::Patch;
+use crate::transport::{NONE, Patch, Rows};
 
 /// What a choice depends on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,6 +40,8 @@ pub struct Choice {
     pub why: &'static str,
 }
 
+/// Entries of patch rows that a frame may read: 2 GB, what a desktop's GPU reads in a third of a frame.
+const BUDGET: f64 = 2.5e8;
 /// What one product of two-level Jacobi leaves, as long as it matters to the eye.
 pub const TWO_LEVEL_LEAVES: f64 = 1.0 / 3.0;
 /// Entries that could be read while a dispatch waits for the one before it: a few microseconds.
@@ -68,6 +70,18 @@ pub fn choose(case: &Case) -> Choice {
     };
     let most = (case.budget / cost).floor().clamp(LEAST, MOST) as u32;
     Choice { method, leaves, most, why }
+}
+
+/// For the frames of a bake with this cavity gain.
+pub fn choose_for_frames(rows: &Rows, patches: &[Patch], gain: f64) -> Choice {
+    let aggregates = patches.iter().map(|patch| patch.aggregate).filter(|&a| a != NONE);
+    choose(&Case {
+        gain,
+        patches: patches.len(),
+        entries: rows.entries(),
+        aggregates: aggregates.max().map_or(0, |last| last as usize + 1),
+        budget: BUDGET,
+    })
 }
 
 impl Method {

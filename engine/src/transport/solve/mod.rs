@@ -47,7 +47,7 @@ use rayon::prelude::*;
 use super::{Patch, Rows};
 
 pub use bracket::{Bracket, bracket};
-pub use choice::{Case, Choice, choose};
+pub use choice::{Case, Choice, choose, choose_for_frames};
 pub use coarse::Coarse;
 pub use exact::exact;
 pub use gain::{GAIN_LIMIT, cavity_gain, limit_gain};

@@ -1,0 +1,276 @@
+//! Bake seconds against error: rays and patch lengths, every point a clean bake of this run.
+//!
+//! Three diagrams of the same bakes. All of the error: what a bake shows, solved exactly, against the path tracer; one
+//! line a patch length, its points rays; the shipped presets are marked. Form factors alone: bakes of the shipped patch
+//! length against the matrix reference on the same patches. Patches alone: patch lengths at the most rays.
+
+use engine::scene::file::Quality;
+
+use super::bakes::{Bakes, BesideMatrix, Made, Recipe, metres};
+use super::lit::weights;
+use super::matrix::Exactly;
+use super::truth::Truth;
+use crate::report::Budget;
+use crate::report::model::{Axis, Diagram, Error, Floor, Norm, Point, Series};
+use crate::{BakeError, Opened, Settings, Watcher, layout, settings};
+
+/// A quality as it is shipped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Preset {
+    pub quality: Quality,
+    pub recipe: Recipe,
+}
+
+/// Rays of the lines; patch lengths are the presets' and those between.
+const RAYS: [u32; 4] = [64, 256, 1024, 4096];
+/// At most so much of what is left goes into one preset's first bake.
+const LARGE: f64 = 0.5;
+/// Runs of a preset's bake, where there is time.
+const RUNS: usize = 3;
+
+/// What the three qualities mean for this scene.
+pub fn presets(opened: &Opened) -> Result<Vec<Preset>, BakeError> {
+    let area = layout::area(&opened.surface);
+    let of = |quality: Quality| {
+        let asked = Settings { quality: Some(quality), ..Settings::default() };
+        let (with, _) = settings::settle(&opened.settings, &opened.name, &asked, area)?;
+        Ok(Preset { quality, recipe: Recipe { length: with.length, rays: with.rays } })
+    };
+    [Quality::Draft, Quality::Standard, Quality::Fine].into_iter().map(of).collect()
+}
+
+/// Bakes what the budget allows: presets first, then the lines, cheap points before dear ones, then presets again.
+pub fn bake_all(
+    bakes: &mut Bakes,
+    presets: &[Preset],
+    shipped: Recipe,
+    most_rays: u32,
+    budget: &Budget,
+    watcher: &dyn Watcher,
+) -> Result<(), BakeError> {
+    let mut recipes = wanted(presets, shipped);
+    recipes.retain(|recipe| recipe.rays <= most_rays);
+    watcher.stage("bakes", recipes.len() as u64);
+    let mut left_out = Vec::new();
+    for recipe in recipes {
+        let is_preset = presets.iter().any(|preset| preset.recipe == recipe);
+        let part = if is_preset { *budget } else { budget.part(LARGE) };
+        if !bakes.make(recipe, &part, watcher)? {
+            left_out.push(format!("{recipe} ({:.0} s)", bakes.expected(recipe)));
+        }
+        watcher.advance(1, 0);
+    }
+    let mut again: Vec<Recipe> = presets.iter().map(|preset| preset.recipe).collect();
+    again.dedup();
+    again.retain(|&recipe| bakes.of(recipe).is_some());
+    for &recipe in again.iter().cycle().take(again.len() * (RUNS - 1)) {
+        bakes.make(recipe, budget, watcher)?;
+    }
+    if !left_out.is_empty() {
+        bakes.notes.push(format!("bakes that the budget had no time for: {}", left_out.join(", ")));
+    }
+    Ok(())
+}
+
+/// The cheapest of the lines to begin with, for nothing is known of time before; then presets; then the rest.
+fn wanted(presets: &[Preset], shipped: Recipe) -> Vec<Recipe> {
+    let mut lengths: Vec<f64> = presets.iter().map(|preset| preset.recipe.length).collect();
+    lengths.sort_by(|a, b| b.total_cmp(a));
+    lengths.dedup();
+    let between: Vec<f64> = lengths.windows(2).map(|pair| (pair[0] * pair[1]).sqrt()).collect();
+    lengths.extend(between);
+    if !lengths.contains(&shipped.length) {
+        lengths.push(shipped.length);
+    }
+    let mut lines: Vec<Recipe> = lengths
+        .iter()
+        .flat_map(|&length| RAYS.into_iter().map(move |rays| Recipe { length, rays }))
+        .collect();
+    lines.sort_by(|a, b| a.work().total_cmp(&b.work()));
+    let first = lines.first().copied();
+    let presets = presets.iter().map(|preset| preset.recipe);
+    let mut wanted: Vec<Recipe> = Vec::new();
+    for recipe in first.into_iter().chain(presets).chain([shipped]).chain(lines) {
+        if !wanted.contains(&recipe) {
+            wanted.push(recipe);
+        }
+    }
+    wanted
+}
+
+/// What the bakes say: all of it, form factors, patches.
+pub fn diagrams(
+    bakes: &Bakes,
+    presets: &[Preset],
+    shipped: Recipe,
+    exactly: Option<&Exactly>,
+    truth: &Truth,
+) -> Vec<Diagram> {
+    let mut diagrams = vec![total(bakes, presets, truth), patches(bakes, presets, shipped, exactly, truth)];
+    if let Some(exactly) = exactly {
+        diagrams.push(form_factors(bakes, presets, shipped, exactly));
+        diagrams.push(matrices(bakes, presets, shipped, exactly));
+    }
+    diagrams.iter_mut().for_each(|diagram| diagram.series.retain(|series| !series.points.is_empty()));
+    diagrams
+}
+
+/// All of the error, against the path tracer.
+fn total(bakes: &Bakes, presets: &[Preset], truth: &Truth) -> Diagram {
+    let mut lengths: Vec<f64> = bakes.made.iter().map(|made| made.recipe.length).collect();
+    lengths.sort_by(|a, b| b.total_cmp(a));
+    lengths.dedup();
+    let line = |&length: &f64| {
+        let of_length =
+            sorted(bakes, |made| made.recipe.length == length, |made| f64::from(made.recipe.rays));
+        let patches = of_length.first().map_or(0, |made| made.patches);
+        let points = of_length.into_iter().map(|made| point(made, presets, &truth.field));
+        Series { name: format!("{patches} patches of {}", metres(length)), points: points.collect() }
+    };
+    Diagram {
+        id: "bake".to_owned(),
+        title: "Bake time and all of the error".to_owned(),
+        about: "What does a longer bake bring? Each point is a clean bake of this run, solved exactly, against the path \
+                tracer at the evaluation points, without what comes straight from punctual lights; along a line the \
+                rays of a row grow."
+            .to_owned(),
+        x: seconds(),
+        y: irradiance(),
+        norm: Norm::Rms,
+        series: lengths.iter().map(line).collect(),
+        floors: truth.floors(),
+    }
+}
+
+/// Bakes of the shipped length against the same patches with many more rays.
+fn form_factors(bakes: &Bakes, presets: &[Preset], shipped: Recipe, exactly: &Exactly) -> Diagram {
+    let of_length =
+        sorted(bakes, |made| made.recipe.length == shipped.length, |made| f64::from(made.recipe.rays));
+    let points = of_length.into_iter().filter_map(|made| {
+        let error = error(&made.beside_matrix.as_ref()?.shown, &exactly.at_receivers);
+        Some(Point { error, ..point(made, presets, &exactly.at_receivers) })
+    });
+    Diagram {
+        id: "bake_rays".to_owned(),
+        title: "Bake time and the error of form factors".to_owned(),
+        about: format!(
+            "What do more rays bring? Clean bakes with patches of {}, against the matrix reference on the same patches \
+             with {} rays a row, all of them others; both under the same direct light, solved exactly and seen at the same receivers.",
+            metres(shipped.length),
+            exactly.rays
+        ),
+        x: seconds(),
+        y: irradiance(),
+        norm: Norm::Rms,
+        series: vec![Series { name: "rays of a row".to_owned(), points: points.collect() }],
+        floors: vec![Floor { name: "error of the matrix reference".to_owned(), y: exactly.standard_error }],
+    }
+}
+
+/// The same of the matrices themselves.
+fn matrices(bakes: &Bakes, presets: &[Preset], shipped: Recipe, exactly: &Exactly) -> Diagram {
+    let of_length =
+        sorted(bakes, |made| made.recipe.length == shipped.length, |made| f64::from(made.recipe.rays));
+    let points = of_length.into_iter().filter_map(|made| {
+        let error = made.beside_matrix.as_ref()?.factors;
+        Some(Point { error, ..point(made, presets, &exactly.at_receivers) })
+    });
+    Diagram {
+        id: "bake_matrix".to_owned(),
+        title: "Bake time and the error of the matrix".to_owned(),
+        about: format!(
+            "The form factors of patches of {} one by one, before light averages over them: norm of the difference from the \
+             matrix reference over its norm (Frobenius).",
+            metres(shipped.length)
+        ),
+        x: seconds(),
+        y: Axis { label: "error of the matrix, relative".to_owned(), unit: String::new() },
+        norm: Norm::Rms,
+        series: vec![Series { name: "rays of a row".to_owned(), points: points.collect() }],
+        floors: vec![Floor {
+            name: "error of the matrix reference".to_owned(),
+            y: exactly.floor_of_factors(),
+        }],
+    }
+}
+
+/// Patch lengths at the most rays that four lengths, or else as many as there are, were baked with.
+fn patches(
+    bakes: &Bakes,
+    presets: &[Preset],
+    shipped: Recipe,
+    exactly: Option<&Exactly>,
+    truth: &Truth,
+) -> Diagram {
+    let with = |rays: u32| sorted(bakes, |made| made.recipe.rays == rays, |made| -made.recipe.length);
+    let most = |lengths: usize| RAYS.into_iter().rev().find(|&rays| with(rays).len() >= lengths);
+    let rays = most(4).or(most(3)).or(most(2)).unwrap_or(RAYS[0]);
+    let points = with(rays).into_iter().map(|made| Point {
+        setting: format!("{} patches", made.patches),
+        ..point(made, presets, &truth.field)
+    });
+    let mut floors = truth.floors();
+    if let (Some(exactly), Some(made)) = (exactly, beside(bakes, Recipe { rays, ..shipped })) {
+        let y = error(&made.shown, &exactly.at_receivers).rms;
+        floors.push(Floor { name: format!("form factors from {rays} rays"), y });
+    }
+    Diagram {
+        id: "bake_patches".to_owned(),
+        title: "Bake time and the error of patches".to_owned(),
+        about: format!(
+            "What do smaller patches bring? Clean bakes with {rays} rays a row against the path tracer, from long patches \
+             to short ones. Receivers lie twice as close as patches."
+        ),
+        x: seconds(),
+        y: irradiance(),
+        norm: Norm::Rms,
+        series: vec![Series { name: format!("patch length at {rays} rays"), points: points.collect() }],
+        floors,
+    }
+}
+
+fn sorted<'a>(bakes: &'a Bakes, which: impl Fn(&Made) -> bool, by: impl Fn(&Made) -> f64) -> Vec<&'a Made> {
+    let mut made: Vec<&Made> = bakes.made.iter().filter(|made| which(made)).collect();
+    made.sort_by(|a, b| by(a).total_cmp(&by(b)));
+    made
+}
+
+fn beside<'a>(bakes: &'a Bakes, recipe: Recipe) -> Option<&'a BesideMatrix> {
+    bakes.of(recipe)?.beside_matrix.as_ref()
+}
+
+fn error(found: &[f64], reference: &[f64]) -> Error {
+    Error::of(found, reference, &weights(reference))
+}
+
+fn point(made: &Made, presets: &[Preset], reference: &[f64]) -> Point {
+    let preset = presets.iter().find(|preset| preset.recipe == made.recipe);
+    Point {
+        setting: format!("{} rays", made.recipe.rays),
+        error: error(&made.shown, reference),
+        preset: preset.map(|preset| preset.quality.to_string()),
+        ..timed(&made.seconds)
+    }
+}
+
+/// A point at the median of what was measured.
+pub fn timed(x: &[f64]) -> Point {
+    let mut sorted = x.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let (Some(&least), Some(&most)) = (sorted.first(), sorted.last()) else { return Point::default() };
+    let middle = sorted.len() / 2;
+    let median = if sorted.len().is_multiple_of(2) {
+        0.5 * (sorted[middle - 1] + sorted[middle])
+    } else {
+        sorted[middle]
+    };
+    Point { x: median, x_range: [least, most], runs: sorted.len(), ..Point::default() }
+}
+
+fn seconds() -> Axis {
+    Axis { label: "bake".to_owned(), unit: "s".to_owned() }
+}
+
+pub fn irradiance() -> Axis {
+    Axis { label: "error of irradiance, rms over mean".to_owned(), unit: String::new() }
+}

@@ -1,0 +1,179 @@
+//! Where the error comes from: one switch at a time.
+//!
+//! A chain of irradiance fields at the same points, from what the player shows to the path tracer; each differs from the
+//! next in one thing, and the difference, a signed field, is that thing's part. Parts add up to the total because fields
+//! do, if nothing is missing: the total is measured by another way, from what the GPU gathered at the receivers itself
+//! (or, without a player, the CPU in f32). Both ends meet the same path-traced field, whose own error is told beside; how
+//! far the parts, measured with one seed, miss the total, measured with the other, is told in a note: noise as well.
+
+use engine::transport::{Rows, Transport};
+use glam::{DVec3, Vec3};
+
+use super::bytes::radiosity;
+use super::lit::{Lit, difference, weights};
+use super::matrix::Exactly;
+use super::truth::Truth;
+use crate::query::Place;
+use crate::report::model::{Error, Part, Split};
+use crate::report::player::GpuLight;
+
+/// Places on a patch where direct light is taken for the truth.
+pub const MANY_SAMPLES: u32 = 256;
+
+/// One field of the chain, or why it is missing.
+struct Link {
+    /// The part between this and the field before.
+    part: &'static str,
+    /// What the field is.
+    what: &'static str,
+    field: Result<Vec<f64>, String>,
+}
+
+/// What the chain is made of.
+pub struct Chain<'a> {
+    pub lit: &'a Lit<'a>,
+    pub places: &'a [Option<Place>],
+    /// From punctual lights, by patch, from many samples.
+    pub direct_exactly: &'a [Vec3],
+    /// The exact solution of the stored rows, and what the CPU's f32 iteration ends with.
+    pub exact: &'a [DVec3],
+    pub iterated: &'a [DVec3],
+    pub gpu: Option<&'a GpuLight>,
+    /// Patches' rows as counted, where they were traced again.
+    pub raw: Result<Rows, String>,
+    pub exactly: Option<&'a Exactly>,
+    pub truth: &'a Truth,
+}
+
+impl Chain<'_> {
+    /// And the share of the total that is unexplained where the parts are measured with one seed of the path tracer and
+    /// the total with the other.
+    pub fn split(&self) -> (Split, f64) {
+        let (parts, sum) = self.parts();
+        let shown = self.shown();
+        let total = difference(&shown, &self.truth.field);
+        let [one, other] = &self.truth.halves;
+        let by_one: Vec<f64> =
+            sum.iter().zip(&self.truth.field).zip(one).map(|((sum, mean), one)| sum + mean - one).collect();
+        let by_seeds = missing(&by_one, &difference(&shown, other));
+        let split = Split {
+            about: self.about(),
+            parts,
+            total: self.error(&total),
+            unexplained: missing(&sum, &total),
+            reference_error: self.truth.standard_error,
+        };
+        (split, by_seeds)
+    }
+
+    /// Of all links, and the sum of their fields.
+    fn parts(&self) -> (Vec<Part>, Vec<f64>) {
+        let mut parts = Vec::new();
+        let mut sum = vec![0.0; self.truth.field.len()];
+        let mut last: Option<(&str, Vec<f64>)> = None;
+        for Link { part, what, field } in self.links() {
+            let mut found = Part { name: part.to_owned(), ..Part::default() };
+            match (field, &last) {
+                (Err(why), _) => found.left_out = Some(why),
+                (Ok(field), None) => {
+                    last = Some((what, field));
+                    continue;
+                }
+                (Ok(field), Some((before, from))) => {
+                    let e = difference(from, &field);
+                    found.compared = format!("{before} against {what}");
+                    found.error = self.error(&e);
+                    sum.iter_mut().zip(&e).for_each(|(sum, e)| *sum += e);
+                    last = Some((what, field));
+                }
+            }
+            parts.push(found);
+        }
+        (parts, sum)
+    }
+
+    fn error(&self, field: &[f64]) -> Error {
+        Error::of_field(field, &self.truth.field, &weights(field))
+    }
+
+    fn about(&self) -> String {
+        let shown =
+            if self.gpu.is_some() { "the irradiance that the GPU gathered" } else { "the CPU's, in f32" };
+        format!(
+            "Irradiance at {} points, without what comes straight from punctual lights, the scene as it is at its start. \
+             Each part is a field, what one switch changes; the fields are added and compared with the total, which is \
+             measured by itself: {shown}, against the path tracer.",
+            self.places.len()
+        )
+    }
+
+    /// From the player to the path tracer.
+    fn links(&self) -> Vec<Link> {
+        let lit = self.lit;
+        let rows = &lit.transport.patch_from_patch;
+        let show = |b: &[DVec3]| lit.shown(b, self.places);
+        let none = |why: &str| Err(why.to_owned());
+        let gpu = self
+            .gpu
+            .ok_or_else(|| "no player, or nothing to draw with: the chain begins on the CPU".to_owned());
+        let iterated = show(self.iterated);
+        let exactly = show(&lit.solve(rows, &lit.e(rows, self.direct_exactly)));
+        let raw = self.raw.as_ref().map(|raw| show(&radiosity(lit, raw, self.direct_exactly, self.exact)));
+        let reference = |field: fn(&Exactly) -> &Vec<f64>| match self.exactly {
+            Some(exactly) => Ok(field(exactly).clone()),
+            None => Err("no matrix reference: its share lies in discretisation".to_owned()),
+        };
+        let link = |part, what, field| Link { part, what, field };
+        vec![
+            link(
+                "GPU",
+                "the GPU's radiosity",
+                gpu.map(|gpu| show(&gpu.radiosity[..lit.transport.patches.len()])),
+            ),
+            link("GPU", "the same iteration on the CPU in f32", Ok(iterated)),
+            link("solver", "the exact solution of the stored rows", Ok(show(self.exact))),
+            link("lag", "", none("light stands still here: its worst frames are in the diagrams of lag")),
+            link("direct sampling", "direct light from 256 samples a patch", Ok(exactly)),
+            link(
+                "quantisation",
+                "",
+                none(
+                    "not by itself: its share lies in form factors; the diagram of bytes has other forms of the rows",
+                ),
+            ),
+            link("compression", "", none("rows are stored whole")),
+            link("balance", "rows as their rays counted them", raw.map_err(Clone::clone)),
+            link("form factors", "the matrix reference at the receivers", reference(|one| &one.at_receivers)),
+            link("reconstruction", "the matrix reference at the points", reference(|one| &one.at_points)),
+            link("discretisation", "the path tracer", Ok(self.truth.field.clone())),
+        ]
+    }
+
+    /// By another way than the chain's first field.
+    fn shown(&self) -> Vec<f64> {
+        let irradiance = match self.gpu {
+            Some(gpu) => gpu.irradiance.clone(),
+            None => gathered_in_f32(self.lit.transport, &self.lit.columns(self.iterated)),
+        };
+        self.lit.blended(&irradiance, self.places)
+    }
+}
+
+/// H = G B as a GPU adds it up: in f32, entry by entry.
+fn gathered_in_f32(transport: &Transport, values: &[DVec3]) -> Vec<DVec3> {
+    let values: Vec<Vec3> = values.iter().map(|value| value.as_vec3()).collect();
+    let rows = &transport.receiver_from_patch;
+    let row =
+        |i: usize| -> Vec3 { rows.row(i).map(|(column, weight)| values[column as usize] * weight).sum() };
+    (0..rows.len()).map(|i| row(i).as_dvec3()).collect()
+}
+
+/// rms of what two fields differ by, over the second's.
+fn missing(found: &[f64], wanted: &[f64]) -> f64 {
+    let size = rms(wanted);
+    if size > 0.0 { rms(&difference(found, wanted)) / size } else { 0.0 }
+}
+
+fn rms(field: &[f64]) -> f64 {
+    (field.iter().map(|e| e * e).sum::<f64>() / field.len().max(1) as f64).sqrt()
+}

@@ -1,0 +1,198 @@
+//! What the numbers say, in words: sentences whose every figure was measured.
+
+use super::front::{Front, Verdict, is_measured, place};
+use super::model::{Diagram, Part, Report, Series};
+use super::numbers::{factor, milliseconds, seconds, share, signed_share};
+use super::trend::trend;
+
+/// A method that errs so many times more is hardly a choice.
+const FAR: f64 = 1e4;
+
+/// What was found, in three or four sentences.
+pub fn summary(report: &Report) -> Vec<String> {
+    [total(report), parts(report), Some(bake(report)), frame(report)].into_iter().flatten().collect()
+}
+
+fn total(report: &Report) -> Option<String> {
+    let (total, reference) = (&report.split.total, report.split.reference_error);
+    (total.rms > 0.0).then(|| {
+        let known = if reference > 0.0 {
+            format!(" The reference is known to {}.", share(reference))
+        } else {
+            String::new()
+        };
+        format!(
+            "What the player shows is {} off (rms over the mean), with a signed mean of {}; the worst hundredth of \
+             all points is off by {} and more.{known}",
+            share(total.rms),
+            signed_share(total.bias),
+            share(total.p99),
+        )
+    })
+}
+
+fn parts(report: &Report) -> Option<String> {
+    let in_sum = |part: &&Part| part.left_out.is_none() && !part.is_apart;
+    let mut parts: Vec<&Part> = report.split.parts.iter().filter(in_sum).collect();
+    parts.sort_by(|a, b| b.error.rms.total_cmp(&a.error.rms));
+    let named: Vec<String> =
+        parts.iter().take(3).map(|part| format!("{} ({})", part.name, share(part.error.rms))).collect();
+    let [first, rest @ ..] = &named[..] else { return None };
+    let then = if rest.is_empty() { String::new() } else { format!(", then {}", rest.join(" and ")) };
+    Some(format!(
+        "Most of it is {first}{then}; field by field the parts add up to the total but for {} of its norm.",
+        share(report.split.unexplained)
+    ))
+}
+
+fn bake(report: &Report) -> String {
+    let certificate = &report.certificate;
+    let threads = if certificate.threads == 1 { "thread" } else { "threads" };
+    let took = if certificate.rays_traced > 0 {
+        format!("took {} on {} {threads}", seconds(certificate.seconds), certificate.threads)
+    } else {
+        "was there already".to_owned()
+    };
+    format!(
+        "The bake ({}, {} patches, {} receivers) {took} and is {} on disk.",
+        report.quality,
+        certificate.patches,
+        certificate.receivers,
+        super::numbers::bytes(certificate.bytes as f64),
+    )
+}
+
+/// Passes that carry light, of all.
+const LIGHT: [&str; 5] = ["direct", "bounce", "gather", "dering", "objects"];
+
+fn frame(report: &Report) -> Option<String> {
+    let frame = report.frame.as_ref().filter(|frame| !frame.passes.is_empty())?;
+    let sum = |names: Option<&[&str]>| -> f64 {
+        let counted =
+            frame.passes.iter().filter(|pass| names.is_none_or(|names| names.contains(&&*pass.name)));
+        counted.map(|pass| pass.median).sum()
+    };
+    let by = match report.machine.timing.as_deref() {
+        Some("gpu") => "the GPU",
+        _ => "the CPU, to record them,",
+    };
+    let whole = frame.whole.as_ref();
+    let whole = whole.map_or(String::new(), |whole| {
+        format!(" From picture to picture pass {}.", milliseconds(whole.median))
+    });
+    Some(format!(
+        "A picture of the moving scene takes {by} {} in all passes, of which light on its way takes {}.{whole}",
+        milliseconds(sum(None)),
+        milliseconds(sum(Some(&LIGHT))),
+    ))
+}
+
+/// What a diagram says: of its leading method, of the others, of the presets.
+pub fn of_diagram(diagram: &Diagram, presets: &[Verdict]) -> Vec<String> {
+    let front = Front::of(diagram);
+    let on_front =
+        |series: &Series| series.points.iter().filter(|point| front.contains(place(diagram, point))).count();
+    let Some(leading) = diagram.series.iter().max_by_key(|series| on_front(series)) else {
+        return vec!["Nothing was measured.".to_owned()];
+    };
+    let mut sentences = vec![of_leading(diagram, leading)];
+    sentences.extend(of_others(diagram, leading, &front));
+    sentences.extend(presets.iter().filter(|preset| preset.diagram == diagram.id).map(of_preset));
+    sentences
+}
+
+fn of_leading(diagram: &Diagram, series: &Series) -> String {
+    let trend = trend(diagram, series);
+    let name = &series.name;
+    let ends: Vec<[f64; 2]> =
+        series.points.iter().map(|point| place(diagram, point)).filter(is_measured).collect();
+    let (Some(first), Some(last)) = (ends.first(), ends.last()) else {
+        return format!("Of {name} nothing was measured.");
+    };
+    let range = format!("from {} to {}", share(first[1]), share(last[1]));
+    let slope = match trend.per_doubling {
+        Some(per_doubling) => {
+            format!("{name}: twice the cost gives {} times the error, {range}.", factor(per_doubling))
+        }
+        None => format!("{name}: the error goes {range}."),
+    };
+    let rises = if trend.falls { "" } else { " It rises on the way, above twice its floor." };
+    slope + rises
+}
+
+/// How many times more the others err at the same cost, in the middle of their points.
+fn of_others(diagram: &Diagram, leading: &Series, front: &Front) -> Option<String> {
+    let middle = |series: &Series| {
+        let mut factors: Vec<f64> = series
+            .points
+            .iter()
+            .map(|point| place(diagram, point))
+            .filter(is_measured)
+            .map(|[x, error]| error / front.error_at(x))
+            .filter(|factor| factor.is_finite())
+            .collect();
+        factors.sort_by(f64::total_cmp);
+        factors.get(factors.len() / 2).copied()
+    };
+    let told: Vec<String> = diagram
+        .series
+        .iter()
+        .filter(|series| series.name != leading.name)
+        .filter_map(|series| Some((&series.name, middle(series)?)))
+        .map(|(name, times)| match times {
+            ..1.02 => format!("{name} is as good"),
+            FAR.. => format!("{name} has more than {FAR} times the error"),
+            _ => format!("{name} has {} times the error", factor(times)),
+        })
+        .collect();
+    (!told.is_empty()).then(|| format!("At the same cost as the best, {}.", told.join("; ")))
+}
+
+fn of_preset(preset: &Verdict) -> String {
+    let Verdict { preset: name, setting, error_factor, x_factor, .. } = preset;
+    if preset.on_front {
+        return format!("\u{201c}{name}\u{201d} ({setting}) is on the front.");
+    }
+    format!(
+        "\u{201c}{name}\u{201d} ({setting}) is off the front: the same error is to be had for {} of its cost, or {} of \
+         its error for the same.",
+        factor(1.0 / x_factor),
+        factor(1.0 / error_factor)
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::front::verdicts;
+    use super::super::model::{Error, Point};
+    use super::*;
+
+    fn series(name: &str, points: &[[f64; 2]], preset: Option<&str>) -> Series {
+        let point = |[x, rms]: [f64; 2]| Point {
+            x,
+            error: Error { rms, ..Error::default() },
+            preset: preset.map(str::to_owned),
+            ..Point::default()
+        };
+        Series { name: name.to_owned(), points: points.iter().copied().map(point).collect() }
+    }
+
+    #[test]
+    fn a_diagram_says_what_twice_the_cost_brings_and_what_the_others_miss() {
+        let good = series("good", &[[1.0, 0.1], [4.0, 0.05]], Some("runtime"));
+        let bad = series("bad", &[[1.0, 0.4], [4.0, 0.2]], None);
+        let diagram = Diagram { id: "d".to_owned(), series: vec![bad, good], ..Diagram::default() };
+        let said = of_diagram(&diagram, &verdicts(std::slice::from_ref(&diagram)));
+        assert_eq!(said[0], "good: twice the cost gives 0.71 times the error, from 10 % to 5.0 %.");
+        assert_eq!(said[1], "At the same cost as the best, bad has 4.00 times the error.");
+        assert!(said[2].contains("runtime") && said[2].contains("is on the front"), "{said:?}");
+    }
+
+    #[test]
+    fn nothing_measured_is_said() {
+        assert_eq!(of_diagram(&Diagram::default(), &[]), ["Nothing was measured."]);
+        let empty = Diagram { series: vec![series("none", &[], None)], ..Diagram::default() };
+        assert_eq!(of_diagram(&empty, &[]), ["Of none nothing was measured."]);
+        assert_eq!(summary(&Report::default()).len(), 1);
+    }
+}
