@@ -36,7 +36,9 @@ fn displayed(light: vec3f) -> vec3f {
     if frame.curve == AS_IT_IS {
         return saturate(light);
     }
-    let color = max(light * (frame.exposure / frame.pre_exposure), vec3f(0.0));
+    // What half floats could not hold is as bright as they go.
+    let held = clamp(light, vec3f(0.0), vec3f(65504.0));
+    let color = held * (frame.exposure / frame.pre_exposure);
     if frame.curve == AGX {
         return agx(color);
     }

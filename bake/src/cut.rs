@@ -25,6 +25,9 @@ pub fn cuts(surface: &Surface, charts: &Charts, size: impl Fn(u32) -> f64) -> Cu
     for id in chart_ids {
         let chart = &charts.charts[id as usize];
         let reach = contact(size(id));
+        if chart.area < (4.0 * reach).powi(2) {
+            continue; // a coin on a ground of a hundred kilometres: a cut would reach beyond it, and it would grow
+        }
         let mut segments: Vec<[DVec2; 2]> = Vec::new();
         for &other in &pairs[&id] {
             for segment in meet(&chart.frame, surface.triangles[other as usize].positions(), reach) {

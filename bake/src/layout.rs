@@ -39,6 +39,8 @@ pub struct RayScene {
     pub receivers: Vec<Place>,
     pub probes: Vec<Vec3>,
     pub sky_patches: u32,
+    /// By patch, or empty where none is: it lies on another that faces the same way, and exchanges no light.
+    pub covered: Vec<bool>,
 }
 
 impl RayScene {
@@ -191,10 +193,11 @@ fn assemble(
         })
         .collect();
     rays.receivers = receivers.places;
-    add_probes(scene, source, &mut transport, &mut rays);
+    let mut warnings = source.warnings.clone();
+    warnings.extend(add_probes(scene, source, &mut transport, &mut rays));
     transport.sky_patches = if scene.sky.kind == SkyKind::None { 0 } else { sky::COUNT };
     rays.sky_patches = transport.sky_patches;
-    Layout { transport, rays, dropped_triangles: source.dropped, warnings: source.warnings.clone() }
+    Layout { transport, rays, dropped_triangles: source.dropped, warnings }
 }
 
 /// Render vertices: one for each node and set of attributes.
@@ -333,13 +336,25 @@ fn add_samples(transport: &mut Transport, rays: &RayScene, unit: f64) {
     }
 }
 
-fn add_probes(scene: &Scene, source: &surface::Surface, transport: &mut Transport, rays: &mut RayScene) {
+/// Says which are out of reach.
+fn add_probes(
+    scene: &Scene,
+    source: &surface::Surface,
+    transport: &mut Transport,
+    rays: &mut RayScene,
+) -> Vec<Warning> {
+    let mut warnings = Vec::new();
     let world = world_from_local(scene);
     for (entity, world_from_local) in scene.entities.iter().zip(&world) {
         let Some(group) = entity.light_probes.as_ref().filter(|_| !entity.hidden) else { continue };
         for (index, &position) in group.positions.iter().enumerate() {
             let local = world_from_local.transform_point3(position.as_dvec3()) - source.origin;
-            if !local.is_finite() {
+            if !(local.is_finite() && local.abs().max_element() <= surface::FARTHEST) {
+                let message = format!(
+                    "its light probe {index} lies farther than {:e} m away; it is left out",
+                    surface::FARTHEST
+                );
+                warnings.push(Warning::new(&entity.name, message));
                 continue;
             }
             rays.probes.push((local / source.unit).as_vec3());
@@ -352,6 +367,7 @@ fn add_probes(scene: &Scene, source: &surface::Surface, transport: &mut Transpor
             });
         }
     }
+    warnings
 }
 
 #[cfg(test)]

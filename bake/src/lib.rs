@@ -12,6 +12,7 @@ mod directions;
 mod emitter;
 mod holes;
 mod layout;
+mod overlap;
 mod patch;
 mod pipeline;
 mod probe;
@@ -24,6 +25,7 @@ mod surface;
 
 pub mod chain;
 pub mod compress;
+pub mod form_factors;
 pub mod progress;
 pub mod reference;
 pub mod report;
@@ -38,7 +40,7 @@ use engine::transport::file::TransportError;
 use engine::transport::key::{BakeWith, inputs, transport_key};
 use engine::transport::probe_field::ProbeField;
 use engine::transport::stale::Stale;
-use engine::transport::{Certificate, Transport, file, materials};
+use engine::transport::{Certificate, Transport, file, materials, packed};
 use glam::{DVec3, Vec3};
 
 use crate::pipeline::Caches;
@@ -305,7 +307,11 @@ pub fn plan(project: &Path, scene: Option<&str>, settings: &Settings) -> Result<
         rows as u64 * u64::from(with.rays) + transport.probes.len() as u64 * u64::from(pipeline::PROBE_RAYS);
     let kept = if is_current { rays } else { 0 };
     let (per_ray, per_row) = pipeline::measure(&layout, &opened.scene, &opened.assets, with.rays);
-    let entries = rows as f64 * per_row + transport.probes.len() as f64 * 9.0 * per_row;
+    // Entries of patches take eight bytes, others four where columns are few enough.
+    let entries = |rows: usize| rows as f64 * per_row;
+    let short = if transport.columns() <= packed::MOST_COLUMNS { 4.0 } else { 8.0 };
+    let bytes = entries(transport.patches.len()) * 8.0
+        + entries(transport.receivers.len() + 9 * transport.probes.len()) * short;
     Ok(Plan {
         scene: opened.name,
         quality: with.quality.to_string(),
@@ -318,7 +324,7 @@ pub fn plan(project: &Path, scene: Option<&str>, settings: &Settings) -> Result<
         rays,
         rays_kept: kept,
         seconds: (rays - kept) as f64 * per_ray / rayon::current_num_threads() as f64,
-        bytes: file::length(transport) + (entries * 8.0) as u64,
+        bytes: file::length(transport) + bytes as u64,
         left_out: left_out(&opened.scene),
         warnings: opened.warnings.iter().chain(&layout.warnings).map(Warning::to_string).collect(),
     })

@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use engine::scene::assets::Assets;
-use engine::scene::{MaterialId, Scene, Warning};
+use engine::scene::{Entity, EntityId, MaterialId, Scene, Warning};
 use engine::transport::key::BakeWith;
+use engine::transport::packed::fold;
 use engine::transport::sh::COEFFICIENTS;
 use engine::transport::surface::Blend;
 use engine::transport::{Certificate, Probe, Rows, Transport};
@@ -17,8 +18,10 @@ use crate::certify::certify_rows;
 use crate::depth::depths;
 use crate::directions::{Sobol, hash_of};
 use crate::emitter::Emitters;
+use crate::form_factors::known::{LEAST_HITS, known};
 use crate::holes::AlphaHoles;
 use crate::layout::{Layout, SAMPLES, layout};
+use crate::overlap::covered;
 use crate::probe::{ProbeRow, probe_row};
 use crate::rays::{Hits, Tracer};
 use crate::surface::Surface;
@@ -62,13 +65,17 @@ pub fn make(
     watcher: &dyn Watcher,
 ) -> Result<(Transport, Vec<Warning>), BakeError> {
     watcher.stage("patches and receivers", 1);
-    let Layout { mut transport, rays, dropped_triangles, warnings, .. } =
+    let Layout { mut transport, mut rays, dropped_triangles, mut warnings, .. } =
         layout(scene, assets, surface, with.length, watcher)?;
     watcher.advance(1, 0);
 
     let holes = AlphaHoles::new(&transport.surface, scene, assets);
     let bvh = Bvh::new(&rays.triangles, holes.holed());
-    let emitters = Emitters::choose(&rays, &sampled(scene, &transport));
+    rays.covered = covered(&rays, &bvh, &holes.holed());
+    warnings.extend(warnings_of_covered(scene, &transport, &rays.covered));
+    let mut sampled = sampled(scene, &transport);
+    sampled.iter_mut().zip(&rays.covered).for_each(|(sampled, covered)| *sampled &= !covered);
+    let emitters = Emitters::choose(&rays, &sampled);
     let tracer = Tracer { scene: &rays, bvh: &bvh, holes: &holes, watcher };
 
     let patch_hits = tracer.patch_rows(with.rays, &caches.patch)?;
@@ -79,15 +86,19 @@ pub fn make(
     mark_probes(&mut transport.probes, &probe_rows);
     transport.depths = depths(&tracer, &transport, surface.unit);
 
+    let is_whole = |i: usize| rays.patch_triangles[i].clone().all(|t| holes.is_whole(t));
+    let known = known(&tracer, with.rays, LEAST_HITS, &emitters, is_whole)?;
+
     watcher.stage("balance", 1);
+    let areas = &rays.patch_areas;
     let (rows, targets, balance) =
-        balanced_rows(&patch_hits, with.rays, &rays.patch_areas, &emitters, &patches_towards, watcher)?;
+        balanced_rows(&patch_hits, with.rays, areas, &emitters, &patches_towards, &known, watcher)?;
     transport.patch_from_patch = rows;
     transport.patches.iter_mut().zip(targets).for_each(|(patch, target)| patch.target = target);
     transport.receiver_from_patch = receiver_rows(&receiver_hits, with.rays, &emitters, &receivers_towards);
     mark_receivers(&mut transport, &receiver_hits, with.rays);
     add_probe_rows(&mut transport.probe_from_patch, probe_rows);
-    aggregate::mark(&mut transport.patches, &transport.patch_from_patch);
+    aggregate::mark(&mut transport.patches, &transport.patch_from_patch, watcher);
     watcher.advance(1, 0);
 
     let rays_of = |rows: usize| rows as u64 * u64::from(with.rays);
@@ -116,6 +127,21 @@ pub fn make(
     certificate.transport_hash = transport.hash().to_hex().to_string();
     transport.certificate = certificate;
     Ok((transport, warnings))
+}
+
+/// One an entity.
+fn warnings_of_covered(scene: &Scene, transport: &Transport, covered: &[bool]) -> Vec<Warning> {
+    let mut counts = std::collections::BTreeMap::<u64, usize>::new();
+    for (patch, _) in transport.patches.iter().zip(covered).filter(|(_, covered)| **covered) {
+        *counts.entry(transport.surface.batches[patch.batch as usize].entity().0).or_default() += 1;
+    }
+    let named = counts.into_iter().filter_map(|(id, count)| Some((scene.entity(EntityId(id))?, count)));
+    let warning = |(entity, count): (&Entity, usize)| {
+        let message =
+            format!("{count} of its patches lie on others that face the same way: they exchange no light");
+        Warning::new(format!("entity `{}`", entity.name), message)
+    };
+    named.map(warning).collect()
 }
 
 fn sky_hits(hits: &Hits, i: usize, patches: usize) -> u32 {
@@ -185,7 +211,7 @@ fn rows_towards(
 }
 
 /// Rows of receivers as they were counted: what was sampled towards takes its share, the rest is scaled so that
-/// the row closes.
+/// the row closes. Weights are such as four bytes hold.
 pub fn receiver_rows(hits: &Hits, rays: u32, emitters: &Emitters, towards: &Towards) -> Rows {
     let finished: Vec<Vec<(u32, f32)>> =
         (0..hits.len()).into_par_iter().map(|i| receiver_row(hits, i, rays, emitters, &towards[i])).collect();
@@ -221,6 +247,7 @@ fn receiver_row(
         .collect();
     row.sort_unstable_by_key(|entry| entry.0);
     cap(&mut row, target);
+    fold(&mut row);
     row
 }
 
@@ -308,7 +335,10 @@ fn mark_probes(probes: &mut [Probe], rows: &[ProbeRow]) {
 fn add_probe_rows(probe_from_patch: &mut Rows, rows: Vec<ProbeRow>) {
     for row in rows {
         for k in 0..COEFFICIENTS {
-            probe_from_patch.push(row.entries.iter().map(|(column, weights)| (*column, weights[k] as f32)));
+            let mut entries: Vec<(u32, f32)> =
+                row.entries.iter().map(|(column, weights)| (*column, weights[k] as f32)).collect();
+            fold(&mut entries);
+            probe_from_patch.push(entries);
         }
     }
 }

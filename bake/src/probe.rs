@@ -4,7 +4,8 @@
 //! L_lm = Int L(w) Y_lm(w) dw  ~  Sum_t W_lm,t B_t        W_lm,t = 4/R * Sum over rays that hit t of Y_lm
 //! ```
 //! (4 pi / R for the sphere's solid angle, 1/pi from radiosity to radiance.) Emitters are sampled towards, with
-//! A cos / (r^2 n) in place of 4 pi / R.
+//! A cos / (r^2 n) in place of 4 pi / R; what chance found is then scaled so that the row closes: with what is lost
+//! and what leaves, all that is seen is the sphere, whatever the noise of both.
 
 use std::f32::consts::PI;
 
@@ -32,7 +33,7 @@ pub fn probe_row(
     key: u64,
 ) -> ProbeRow {
     let mut weights: std::collections::BTreeMap<u32, [f64; COEFFICIENTS]> = std::collections::BTreeMap::new();
-    let mut lost = 0_u32;
+    let (mut lost, mut left) = (0_u32, 0_u32);
     for ray in 0..rays {
         let [u, v, ..] = sobol.point(ray, key);
         let direction = sphere_direction(u, v);
@@ -42,11 +43,33 @@ pub fn probe_row(
                 add(weights.entry(column).or_default(), direction, 4.0 / f64::from(rays));
             }
             Seen::Back => lost += 1,
-            _ => {}
+            Seen::Column(_) => {} // an emitter
+            _ => left += 1,
         }
     }
-    weights.extend(towards_all(tracer, emitters, position, sobol, key, 64));
+    let mut towards = towards_all(tracer, emitters, position, sobol, key, 64);
+    let all = 4.0 * f64::from(basis(Vec3::Y)[0]);
+    let target = all * (1.0 - f64::from(lost + left) / f64::from(rays));
+    close(&mut weights, &mut towards, target);
+    weights.extend(towards);
     ProbeRow { entries: weights.into_iter().collect(), lost: f64::from(lost) / f64::from(rays) }
+}
+
+/// What was sampled towards takes its share of what is seen, and chance the rest.
+fn close(
+    by_chance: &mut std::collections::BTreeMap<u32, [f64; COEFFICIENTS]>,
+    towards: &mut [(u32, [f64; COEFFICIENTS])],
+    target: f64,
+) {
+    if towards.is_empty() {
+        return; // chance alone closes
+    }
+    let found: f64 = by_chance.values().map(|weights| weights[0]).sum();
+    let sampled: f64 = towards.iter().map(|(_, weights)| weights[0]).sum();
+    let sampled_scale = if sampled > target { target.max(0.0) / sampled } else { 1.0 };
+    let scale = if found > 0.0 { (target - sampled * sampled_scale).max(0.0) / found } else { 0.0 };
+    by_chance.values_mut().flatten().for_each(|weight| *weight *= scale);
+    towards.iter_mut().flat_map(|(_, weights)| weights).for_each(|weight| *weight *= sampled_scale);
 }
 
 fn is_emitter(emitters: &Emitters, column: u32) -> bool {

@@ -83,6 +83,10 @@ impl Tracer<'_> {
     pub fn patch_rows(&self, rays: u32, cache: &Cache) -> Result<Hits, BakeError> {
         self.watcher.stage("patch rows", self.scene.patch_areas.len() as u64);
         self.rows(self.scene.patch_areas.len(), rays, cache, |i, sobol, counter| {
+            if self.scene.covered.get(i) == Some(&true) {
+                counter.lost = rays;
+                return;
+            }
             let places = Places::of(self.scene, i);
             let key = self.scene.patch_keys[i];
             for ray in 0..rays {

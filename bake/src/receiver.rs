@@ -55,10 +55,10 @@ pub fn receivers(fine: &Fine, links: &Links, batches: &[Batch], length: f64) -> 
 }
 
 fn place(node: &Node, back: bool) -> Place {
-    // Off the outline and off the cuts, into its own surface.
+    // Off the outline and off the cuts, into its own surface; never behind it, which a tangent to a hollow is.
     let inward = (node.middle - node.position) * 0.01;
     let normal = node.normal.as_dvec3();
-    let position = node.position + inward - normal * inward.dot(normal);
+    let position = node.position + inward - normal * inward.dot(normal).min(0.0);
     let words = position.as_vec3().to_array().map(|x| u64::from(x.to_bits()));
     let key = crate::directions::hash_of([node.entity, words[0], words[1], words[2], u64::from(back)]);
     Place { position, normal: if back { -node.normal } else { node.normal }, key }

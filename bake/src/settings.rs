@@ -58,7 +58,7 @@ pub fn settle(
     }
     let new = explicit.is_none() && fixed.is_none() && area > 0.0;
     // Sobol points are even in powers of two.
-    Ok((BakeWith { quality, rays: rays.next_power_of_two().min(1 << 20), length }, new))
+    Ok((BakeWith { quality, rays: rays.min(1 << 20).next_power_of_two(), length }, new))
 }
 
 pub fn base_length_key(scene: &str, quality: Quality) -> String {

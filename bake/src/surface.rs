@@ -11,6 +11,11 @@ use engine::scene::{Entity, Mesh, Scene, SceneError, Warning, world_from_local};
 use engine::transport::Batch;
 use glam::{DAffine3, DVec3, Vec2, Vec3};
 
+/// Metres from the origin of the world: products of four lengths are floats.
+pub const FARTHEST: f64 = 1e9;
+/// Twice the area of a triangle, m2: squares of what is larger are floats.
+const LEAST_AREA: f64 = 1e-18;
+
 /// Everything static, in scaled space: world = origin + unit * position.
 #[derive(Default)]
 pub struct Surface {
@@ -59,7 +64,7 @@ pub fn is_baked(scene: &Scene, entity: &Entity) -> bool {
     entity.is_static && entity.mesh.is_some() && !scene.is_hidden(entity)
 }
 
-/// Gathers all static triangles. NaN and infinity are refused with the entity's name.
+/// Gathers all static triangles. NaN, infinity and what is beyond all measure are refused with the entity's name.
 pub fn sanitise(scene: &Scene, assets: &Assets) -> Result<Surface, SceneError> {
     let mut surface = Surface::default();
     let world = world_from_local(scene);
@@ -89,6 +94,7 @@ fn gather(
     if !world_from_local.is_finite() {
         return Err(refuse("its transform is not finite: correct it or one of its parents'".to_owned()));
     }
+    surface.warnings.extend(rounded(entity, mesh, world_from_local));
     let mirrored = world_from_local.matrix3.determinant() < 0.0;
     let placed: Vec<Corner> = (0..mesh.positions.len())
         .map(|vertex| place(mesh, vertex, world_from_local, renderer.density.at(mesh.original(vertex))))
@@ -111,6 +117,9 @@ fn gather(
             if corners.iter().any(|corner| !corner.position.is_finite()) {
                 return Err(refuse("a vertex is not finite: repair the mesh".to_owned()));
             }
+            if corners.iter().any(|corner| corner.position.abs().max_element() > FARTHEST) {
+                return Err(refuse(format!("it reaches farther than {FARTHEST:e} m: move or scale it")));
+            }
             if mirrored {
                 corners.swap(1, 2);
             }
@@ -118,6 +127,28 @@ fn gather(
         }
     }
     Ok(())
+}
+
+/// A vertex is rounded by more than this share of its mesh's size where the mesh lies far from its own origin.
+const COARSE: f64 = 1e-4;
+
+/// Numbers far from 0 are coarse: floats in a mesh 1000 km from its origin by 6 cm. An entity may stand as far away as
+/// it likes, as its place is in f64.
+fn rounded(entity: &Entity, mesh: &Mesh, world_from_local: &DAffine3) -> Option<Warning> {
+    let low = mesh.positions.iter().fold(Vec3::INFINITY, |low, p| low.min(*p)).as_dvec3();
+    let high = mesh.positions.iter().fold(Vec3::NEG_INFINITY, |high, p| high.max(*p)).as_dvec3();
+    let (size, far) = ((high - low).max_element(), low.abs().max(high.abs()).max_element());
+    let step = f64::from((far as f32).next_up()) - f64::from(far as f32);
+    let metres = world_from_local.matrix3.x_axis.length();
+    let message = || {
+        format!(
+            "its vertices lie up to {:.0} m from its own origin, where floats are {:.2e} m apart: move the mesh to its \
+             origin, and the entity to its place",
+            far * metres,
+            step * metres
+        )
+    };
+    (step > COARSE * size).then(|| Warning::new(format!("entity `{}`", entity.name), message()))
 }
 
 fn place(mesh: &Mesh, vertex: usize, world_from_local: &DAffine3, density: f32) -> Corner {
@@ -144,25 +175,24 @@ fn rebase(surface: &mut Surface) {
     let high = positions().fold(DVec3::NEG_INFINITY, DVec3::max);
     let extent = (high - low).max_element();
     let unit = if extent > 0.0 && extent.is_finite() { extent.log2().ceil().exp2() } else { 1.0 };
-    let origin = if extent.is_finite() { ((low + high) * 0.5 / unit).round() * unit } else { DVec3::ZERO };
+    // Halves go up on both sides of 0: `round` would send them away from it, and a scene that crosses it with them.
+    let middle = (low + high) * (0.5 / unit);
+    let origin = if extent.is_finite() { (middle + 0.5).floor() * unit } else { DVec3::ZERO };
     for corner in surface.triangles.iter_mut().flat_map(|triangle| &mut triangle.corners) {
         corner.position = (corner.position - origin) / unit;
     }
     (surface.origin, surface.unit) = (origin, unit);
-    if origin.abs().max_element() > 1e5 * unit {
-        let message = format!("the scene lies {:.0} m from the origin", origin.length());
-        surface.warnings.push(Warning::new("scene", message));
-    }
 }
 
 /// Without area: nothing to see and nothing to divide by. Slivers of aspect 1e6 stay.
 fn drop_degenerate(surface: &mut Surface) {
     let before = surface.triangles.len();
+    let least = LEAST_AREA / (surface.unit * surface.unit);
     surface.triangles.retain(|triangle| {
         let [a, b, c] = triangle.positions().map(|p| p.as_vec3());
         let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
         let cross = triangle.cross().length();
-        a != b && b != c && c != a && cross > 1e-9 * f64::from(longest) && cross > 1e-18
+        a != b && b != c && c != a && cross > 1e-9 * f64::from(longest) && cross > least.max(1e-18)
     });
     surface.dropped += before - surface.triangles.len();
     for triangle in &mut surface.triangles {

@@ -139,7 +139,7 @@ fn near_irradiance(light: Light, i: u32) -> vec3f {
         let middle = length(a + b + c) / 3.0;
         flux += triangle_flux(light, patches[i].triangle_count, a, b, c, omega) * windowed(light, middle);
     }
-    return light.power * (flux / patches[i].area);
+    return min(light.power * (flux / patches[i].area), vec3f(1e34));
 }
 
 fn triangle_flux(light: Light, count: u32, a: vec3f, b: vec3f, c: vec3f, omega: f32) -> f32 {

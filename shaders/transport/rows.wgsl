@@ -6,7 +6,9 @@ struct Page {
     first: u32,
     /// Rows of this page.
     count: u32,
-    padding: vec2u,
+    /// 1 where columns hold weights too.
+    packed: u32,
+    padding: u32,
 }
 
 /// Radiosity [W/m2] by column: patches, then sky patches.
@@ -18,12 +20,29 @@ struct Page {
 @group(3) @binding(2) var<storage, read> columns: array<u32>;
 @group(3) @binding(3) var<storage, read> weights: array<f32>;
 
+/// weight * source[column] of an entry. Packed: the f16 of 2^15 times the weight, above the column.
+fn weighted(entry: u32) -> vec3f {
+    let column = columns[entry];
+    if page.packed != 0u {
+        return weight_of(column >> 16u) * source[column & 0xffffu].xyz;
+    }
+    return weights[entry] * source[column].xyz;
+}
+
+/// By its bits: not every device unpacks f16, or keeps what is too small for its exponent.
+fn weight_of(half: u32) -> f32 {
+    let bits = half & 0x7fffu;
+    let normal = bitcast<f32>((bits << 13u) + (97u << 23u));
+    let size = select(normal, f32(bits) * 0x1p-39f, bits < 0x400u);
+    return select(size, -size, half > 0x7fffu);
+}
+
 /// A thread a row: best where threads are few (a processor that draws).
 fn row_by_thread(row: u32) -> vec3f {
     var sum = vec3f(0.0);
     let end = starts[row + 1u];
     for (var i = starts[row]; i < end; i++) {
-        sum += weights[i] * source[columns[i]].xyz;
+        sum += weighted(i);
     }
     return sum;
 }
@@ -36,7 +55,7 @@ fn row_by_group(row: u32, thread: u32) -> vec3f {
     if row < page.count {
         let end = starts[row + 1u];
         for (var i = starts[row] + thread; i < end; i += 64u) {
-            sum += weights[i] * source[columns[i]].xyz;
+            sum += weighted(i);
         }
     }
     parts[thread] = sum;

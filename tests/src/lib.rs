@@ -20,8 +20,13 @@ pub fn shared() -> Option<PathBuf> {
     None
 }
 
+pub mod enclosure;
 pub mod picture;
+pub mod repeats;
 pub mod room;
+pub mod runtime;
+pub mod solution;
+pub mod solved;
 pub mod surfaces;
 pub mod systems;
 pub mod table;

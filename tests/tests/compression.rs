@@ -4,8 +4,9 @@ use bake::compress::{CutRows, cut_rows, deviations, marked, one_ray};
 use bake::{Settings, Silent, bake};
 use engine::scene::file::{Quality, load_scene};
 use engine::scene::import::load_assets;
+use engine::transport::packed::{fold, pack, pack_all, unpack};
 use engine::transport::solve::{System, exact, gather};
-use engine::transport::{Transport, materials};
+use engine::transport::{Rows, Transport, materials};
 use glam::{DVec3, Vec3};
 use tests::project::TestProject;
 use tests::source::workspace;
@@ -138,4 +139,37 @@ fn a_furnace_stays_even() {
     for (row, h) in cut.gather(transport, &ones).iter().enumerate() {
         assert!((h.x - rows.sum(row)).abs() <= 1e-7, "{row}: {h}");
     }
+}
+
+/// The rows of patches stand for what receivers' were before they were folded.
+#[test]
+fn four_bytes_an_entry_miss_next_to_nothing() {
+    let cornell = cornell(Quality::Draft, None);
+    let rows = &cornell.transport.patch_from_patch;
+    let mut folded = Rows::default();
+    for row in 0..rows.len() {
+        let mut entries: Vec<(u32, f32)> = rows.row(row).collect();
+        fold(&mut entries);
+        let held = entries
+            .iter()
+            .all(|&(column, weight)| pack(column, weight).map(unpack) == Some((column, weight)));
+        assert!(held, "row {row}");
+        folded.push(entries);
+        let lost = rows.sum(row) - folded.sum(row);
+        assert!((0.0..=1e-6).contains(&lost), "row {row}: {lost}");
+    }
+    for (name, b) in &cornell.lit {
+        let (there, whole) = (gather(&folded, b), gather(rows, b));
+        let square: f64 = there.iter().zip(&whole).map(|(a, b)| (*a - *b).length_squared()).sum();
+        let mean = (whole.iter().map(|h| h.length_squared()).sum::<f64>() / whole.len() as f64).sqrt();
+        let error = (square / whole.len() as f64).sqrt() / mean;
+        println!("{name}: {error:.1e} of rms");
+        // Where one entry carries most of the light, as a lamp's does, f16's own rounding: half of 2^-11.
+        assert!(error < 2.5e-4, "{name}: {error}");
+    }
+    let receivers = &cornell.transport.receiver_from_patch;
+    assert!(
+        pack_all(&receivers.columns, &receivers.weights).is_some(),
+        "the baker stores what four bytes hold"
+    );
 }

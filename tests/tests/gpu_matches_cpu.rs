@@ -5,6 +5,7 @@ use engine::render::rows::Summed;
 use engine::render::{Eye, Settings, View};
 use engine::scene::{LightKind, Scene};
 use engine::transport::materials::of_patches;
+use engine::transport::packed::fold;
 use engine::transport::solve::{self, Coarse, System, TwoLevel, gather};
 use engine::transport::{Probe, Transport, dering, sh};
 use glam::{DVec3, Vec3, Vec4};
@@ -46,17 +47,26 @@ fn apart(a: &[Vec3], b: &[Vec3]) -> f32 {
     a.iter().zip(b).map(|(a, b)| (*a - *b).abs().max_element()).fold(0.0, f32::max) / largest
 }
 
-fn follows_the_cpu(mut gpu: Gpu, page_bytes: Option<u64>, summed: Summed, n: u32) -> usize {
+fn box_of(n: u32) -> Transport {
+    room::closed_box(Vec3::new(-2.0, 0.0, -1.0), Vec3::new(2.0, 2.5, 1.0), n)
+}
+
+/// Returns the pages of patch rows, and the bytes of all rows.
+fn follows_the_cpu(
+    mut gpu: Gpu,
+    page_bytes: Option<u64>,
+    summed: Summed,
+    transport: &Transport,
+) -> (usize, u64) {
     gpu.page_bytes = page_bytes.unwrap_or(gpu.page_bytes);
-    let transport = room::closed_box(Vec3::new(-2.0, 0.0, -1.0), Vec3::new(2.0, 2.5, 1.0), n);
-    let scene = scene(&transport);
+    let scene = scene(transport);
     let mut studio = studio(gpu, transport.clone(), summed);
     let drawn = studio.draw(&scene, View::Composite);
     let spaces = studio.renderer.spaces();
     let n = transport.patches.len();
     let exitance = read(&studio, &spaces.exitance, n);
 
-    let mut materials = of_patches(&transport, &scene, &studio.assets);
+    let mut materials = of_patches(transport, &scene, &studio.assets);
     solve::limit_gain(&transport.patch_from_patch, &transport.patches, &mut materials.albedo);
     let system =
         System { rows: &transport.patch_from_patch, patches: &transport.patches, albedo: &materials.albedo };
@@ -79,26 +89,47 @@ fn follows_the_cpu(mut gpu: Gpu, page_bytes: Option<u64>, summed: Summed, n: u32
         let on_gpu = read(&studio, buffer, truth.len());
         assert!(apart(&on_gpu, &truth) < 1e-4, "receivers: {}", apart(&on_gpu, &truth));
     }
-    studio.renderer.pages()
+    let bytes = studio.renderer.bytes().into_iter().find(|(kind, _)| *kind == "rows").unwrap().1;
+    (studio.renderer.pages(), bytes)
 }
 
 #[test]
 fn bounce_and_receivers_follow_the_cpu_with_a_thread_a_row() {
     let Some(gpu) = gpu() else { return };
-    assert_eq!(follows_the_cpu(gpu, None, Summed::ByThread, 6), 1);
+    assert_eq!(follows_the_cpu(gpu, None, Summed::ByThread, &box_of(6)).0, 1);
 }
 
 #[test]
 fn bounce_and_receivers_follow_the_cpu_with_a_workgroup_a_row() {
     let Some(gpu) = gpu() else { return };
-    assert_eq!(follows_the_cpu(gpu, None, Summed::ByGroup, 6), 1);
+    assert_eq!(follows_the_cpu(gpu, None, Summed::ByGroup, &box_of(6)).0, 1);
 }
 
 #[test]
 fn pages_of_one_mebibyte_change_nothing() {
     let Some(gpu) = gpu() else { return };
     // 864 patches see five walls: 720 columns a row, 2.5 MB of weights.
-    assert!(follows_the_cpu(gpu, Some(1 << 20), Summed::ByThread, 12) >= 3);
+    assert!(follows_the_cpu(gpu, Some(1 << 20), Summed::ByThread, &box_of(12)).0 >= 3);
+}
+
+/// The rows of receivers as the baker stores them: in four bytes an entry.
+#[test]
+fn packed_rows_are_read_as_the_cpu_reads_them() {
+    let mut packed = box_of(6);
+    let rows = std::mem::take(&mut packed.receiver_from_patch);
+    for row in 0..rows.len() {
+        let mut entries: Vec<(u32, f32)> = rows.row(row).collect();
+        fold(&mut entries);
+        packed.receiver_from_patch.push(entries);
+    }
+    assert_ne!(packed.receiver_from_patch, rows);
+    for summed in [Summed::ByThread, Summed::ByGroup] {
+        let Some(gpu) = gpu() else { return };
+        let (_, bytes) = follows_the_cpu(gpu, None, summed, &packed);
+        let Some(gpu) = self::gpu() else { return };
+        let (_, plain) = follows_the_cpu(gpu, None, summed, &box_of(6));
+        assert_eq!(plain - bytes, 4 * rows.entries() as u64);
+    }
 }
 
 #[test]

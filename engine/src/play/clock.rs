@@ -31,7 +31,8 @@ impl Clock {
     /// Goes on to the next picture, so many seconds after the last one. The first shows the start. Returns the
     /// seconds that count.
     pub fn advance(&mut self, passed: f64) -> f64 {
-        let passed = if self.started { passed.clamp(0.0, MOST) } else { 0.0 };
+        // What is no number is no time.
+        let passed = if self.started && passed > 0.0 { passed.min(MOST) } else { 0.0 };
         let stands = self.paused && !self.single || !self.started;
         self.started = true;
         match (stands, self.fixed_dt.is_some(), std::mem::take(&mut self.single)) {

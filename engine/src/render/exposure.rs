@@ -52,12 +52,19 @@ pub struct ExposureState {
 const BINS: u64 = 256;
 /// About so many texels are looked at.
 const LOOKED_AT: f32 = 65536.0;
+/// Stops, up and down.
+const MOST: f32 = 100.0;
 /// By one thread, one after the other.
 const A_THREAD: u32 = 16;
 
+/// Display = this * radiance: a number, whatever the camera says.
+pub fn exposure(stops: f32) -> f32 {
+    stops.clamp(-MOST, MOST).exp2()
+}
+
 /// Radiance is drawn times this, where the exposure is known beforehand.
 pub fn pre_exposure(stops: f32) -> f32 {
-    stops.round().clamp(-100.0, 100.0).exp2()
+    exposure(stops.round())
 }
 
 pub struct Exposure {
@@ -143,9 +150,9 @@ impl Exposure {
             size,
             step: (texels / LOOKED_AT).sqrt().ceil().max(1.0) as u32,
             kept: seconds.map_or(0.0, |seconds| kept(auto.speed, seconds)),
-            compensation: auto.compensation,
-            least: auto.least,
-            most: auto.most,
+            compensation: auto.compensation.clamp(-MOST, MOST),
+            least: auto.least.clamp(-MOST, MOST),
+            most: auto.most.clamp(-MOST, MOST),
             padding: 0,
         };
         gpu.queue.write_buffer(&self.meter, 0, bytemuck::bytes_of(&uniform));

@@ -409,7 +409,7 @@ impl Renderer {
             forward,
             time: now.time as f32,
             right,
-            exposure: now.eye.exposure.exp2(),
+            exposure: exposure::exposure(now.eye.exposure),
             up,
             view: now.view as u32,
             cascade_ends: slices.ends,

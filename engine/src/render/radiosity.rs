@@ -29,13 +29,25 @@ impl Renderer {
         if let Some(factor) = emitted.rescaled {
             dispatches += self.rescale.run(&self.gpu, encoder, factor);
         }
-        if lit || emitted.albedo || emitted.emission || emitted.rescaled.is_some() {
+        let changed = lit || emitted.albedo || emitted.emission;
+        if changed {
             self.steering.change();
+        }
+        // In another unit the light is the same: it is as near to its solution as it was.
+        if changed || emitted.rescaled.is_some() {
             dispatches += self.direct.run(encoder, timer, &self.frame_group, self.shadows.scene_group());
         }
-        if !self.sources.sky_shines() && self.steering.has_faded() {
+        let probes_read = self.instances.any_moving() || view.shows_probes();
+        let mut probes_changed = false;
+        if self.sources.is_black() {
+            if self.steering.put_out() {
+                self.spaces.reflect_nothing(encoder);
+                probes_changed = probes_read;
+            }
+        } else if !self.sources.sky_shines() && self.steering.has_faded() {
             self.steering.put_out();
             self.spaces.forget_bounced(encoder);
+            probes_changed = probes_read;
         }
         let (gain, choice) = (self.sources.cavity_gain(), self.sources.choice());
         // Where there are no patches nothing is measured, and nothing is to be solved.
@@ -43,10 +55,8 @@ impl Renderer {
         let products = if self.spaces.patch_count == 0 { 0 } else { asked };
         let tag = (self.steering.version(), self.sources.unit());
         dispatches += self.bounce.run(encoder, timer, &self.coarse, products, tag);
-        let probes_read = self.instances.any_moving() || view.shows_probes();
         let probes_late = probes_read && !self.probes_current;
         let emission = emitted.emission || emitted.rescaled.is_some();
-        let mut probes_changed = false;
         for (source, is_new) in [(Source::Emitted, emission), (Source::Bounced, products > 0)] {
             if is_new || probes_late {
                 dispatches += self.gather.run(encoder, timer, &self.frame_group, source, probes_read);

@@ -5,7 +5,7 @@ use wgpu::BufferUsages as Usage;
 
 use crate::gpu::pass::{self, Binding};
 use crate::gpu::{Gpu, GpuError, buffer};
-use crate::transport::Rows;
+use crate::transport::{Rows, packed};
 
 /// `Page` in `transport/rows.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -13,7 +13,9 @@ use crate::transport::Rows;
 pub struct PageUniform {
     pub first: u32,
     pub count: u32,
-    pub padding: [u32; 2],
+    /// 1 where columns hold weights too ([`crate::transport::packed`]).
+    pub packed: u32,
+    pub padding: u32,
 }
 
 /// Rows as runs of whole rows, each with its own starts, columns and weights.
@@ -54,23 +56,35 @@ pub fn page_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
 impl PagedRows {
     pub fn new(gpu: &Gpu, layout: &wgpu::BindGroupLayout, what: &str, rows: &Rows) -> Result<Self, GpuError> {
         let mut pages = Vec::new();
+        let mut bytes = rows.starts.len() as u64 * 4;
         for range in buffer::pages(what, &rows.starts, gpu.page_bytes)? {
             let entries = rows.starts[range.start] as usize..rows.starts[range.end] as usize;
             let starts: Vec<u32> = rows.starts[range.start..=range.end]
                 .iter()
                 .map(|start| (start - rows.starts[range.start]) as u32)
                 .collect();
-            let page = PageUniform { first: range.start as u32, count: range.len() as u32, padding: [0; 2] };
+            let (columns, weights) = (&rows.columns[entries.clone()], &rows.weights[entries]);
+            let packed = packed::pack_all(columns, weights);
+            let (columns, weights) = match &packed {
+                Some(packed) => (packed.as_slice(), &[][..]),
+                None => (columns, weights),
+            };
+            bytes += (columns.len() + weights.len()) as u64 * 4;
+            let page = PageUniform {
+                first: range.start as u32,
+                count: range.len() as u32,
+                packed: u32::from(packed.is_some()),
+                padding: 0,
+            };
             let buffers = [
                 buffer::filled(gpu, "page", &[page], Usage::UNIFORM),
                 buffer::filled(gpu, "starts", &starts, Usage::STORAGE),
-                buffer::filled(gpu, "columns", &rows.columns[entries.clone()], Usage::STORAGE),
-                buffer::filled(gpu, "weights", &rows.weights[entries], Usage::STORAGE),
+                buffer::filled(gpu, "columns", columns, Usage::STORAGE),
+                buffer::filled(gpu, "weights", weights, Usage::STORAGE),
             ];
             let group = pass::buffers(gpu, what, layout, &buffers.each_ref());
             pages.push(Page { group, rows: page.count });
         }
-        let bytes = rows.starts.len() as u64 * 4 + rows.columns.len() as u64 * 8;
         Ok(Self { pages, bytes })
     }
 

@@ -25,6 +25,8 @@ pub struct Sources {
     /// Of the unit of radiosity.
     exponent: i32,
     gain: f32,
+    /// Nothing reflects anything.
+    black: bool,
     /// A better one, being solved for on another thread.
     coming: Option<mpsc::Receiver<f32>>,
     choice: Choice,
@@ -59,6 +61,7 @@ impl Sources {
             held: None,
             exponent: 0,
             gain: 1.0,
+            black: false,
             coming: None,
             choice,
         }
@@ -123,6 +126,11 @@ impl Sources {
         self.held.as_ref().is_some_and(|held| largest(&held.radiance) > 0.0)
     }
 
+    /// Does no patch reflect? B is then E.
+    pub fn is_black(&self) -> bool {
+        self.black
+    }
+
     /// For every patch, with the albedo that closed rooms can bear.
     fn materials(&self, now: &Now<'_>) -> PatchMaterials {
         let mut materials = of_patches(&self.transport, now.scene, now.assets);
@@ -136,6 +144,7 @@ impl Sources {
     fn follow_albedo(&mut self, gpu: &Gpu, albedo: &[Vec3], coarse: &mut Coarse) -> Result<(), GpuError> {
         let rows = &self.transport.patch_from_patch;
         self.gain = stand_in(&self.transport, albedo);
+        self.black = albedo.iter().all(|albedo| *albedo == Vec3::ZERO);
         let system = System { rows, patches: &self.transport.patches, albedo };
         self.choice = self.chosen();
         let corrected = self.choice.method == Method::TwoLevel;

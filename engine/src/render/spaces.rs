@@ -94,6 +94,15 @@ impl Spaces {
         }
     }
 
+    /// B = E: what patches emit, and nothing that bounced.
+    pub fn reflect_nothing(&self, encoder: &mut wgpu::CommandEncoder) {
+        self.forget_bounced(encoder);
+        if self.patch_count > 0 {
+            let bytes = u64::from(self.patch_count) * 16;
+            encoder.copy_buffer_to_buffer(&self.exitance, 0, &self.radiosity, 0, bytes);
+        }
+    }
+
     pub fn set_albedo(&self, gpu: &Gpu, albedo: &[Vec3]) {
         write(gpu, &self.albedo, 0, albedo);
     }

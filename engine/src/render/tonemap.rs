@@ -24,7 +24,7 @@ pub fn curve_of(view: View, curve: ToneCurve) -> u32 {
 
 /// The plain twin of `tonemap.wgsl`: a display's linear colours from exposed radiance.
 pub fn displayed(color: Vec3, curve: ToneCurve) -> Vec3 {
-    let color = color.max(Vec3::ZERO);
+    let color = color.map(|light| if light > 0.0 { light.min(1e30) } else { 0.0 });
     match curve {
         ToneCurve::Neutral => neutral(color),
         ToneCurve::Agx => agx(color),

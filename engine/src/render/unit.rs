@@ -39,7 +39,8 @@ pub fn exponent(now: i32, brightest: f32) -> i32 {
 /// Multiplies what is stored.
 pub struct Rescale {
     pipeline: wgpu::ComputePipeline,
-    light: wgpu::BindGroup,
+    /// Of B, and of B without what is emitted.
+    lights: [wgpu::BindGroup; 2],
     own: wgpu::BindGroup,
     uniform: wgpu::Buffer,
     columns: u32,
@@ -54,7 +55,8 @@ impl Rescale {
         let uniform = buffer::empty(gpu, "unit", 16, wgpu::BufferUsages::UNIFORM);
         Ok(Self {
             pipeline: pass::compute(gpu, &module, "rescale", &[None, None, Some(&light), Some(&own)]),
-            light: pass::buffers(gpu, "unit", &light, &[&spaces.radiosity]),
+            lights: [&spaces.radiosity, &spaces.bounced]
+                .map(|buffer| pass::buffers(gpu, "unit", &light, &[buffer])),
             own: pass::buffers(gpu, "unit", &own, &[&uniform]),
             uniform,
             columns: spaces.patch_count,
@@ -70,10 +72,12 @@ impl Rescale {
         gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
         let mut pass = encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(2, &self.light, &[]);
         pass.set_bind_group(3, &self.own, &[]);
-        pass::dispatch(&mut pass, self.columns);
-        1
+        for light in &self.lights {
+            pass.set_bind_group(2, light, &[]);
+            pass::dispatch(&mut pass, self.columns);
+        }
+        self.lights.len() as u32
     }
 }
 

@@ -84,6 +84,9 @@ impl View {
     }
 }
 
+/// Metres from the origin, and of near planes and pictures without perspective: their squares are floats.
+const FARTHEST: f32 = 1e15;
+
 /// A camera at its place in the world. Looks along its -Z, +Y up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Eye {
@@ -154,7 +157,7 @@ impl Eye {
     pub fn half(&self, aspect: f32) -> [f32; 2] {
         let height = match self.projection {
             Projection::Perspective { fov_y } => (fov_y.clamp(1e-3, 3.1) * 0.5).tan(),
-            Projection::Orthographic { half_height } => half_height.abs().max(1e-6),
+            Projection::Orthographic { half_height } => half_height.abs().clamp(1e-6, FARTHEST),
         };
         [height * aspect, height]
     }
@@ -162,13 +165,20 @@ impl Eye {
     /// `clip_from_world`, with world positions relative to `origin`. Depth is reversed: 1 near, 0 far.
     pub fn clip_from_world(&self, origin: DVec3, aspect: f32) -> Mat4 {
         let [x, y] = self.half(aspect);
-        let near = self.near.max(1e-6);
+        let near = self.near.clamp(1e-6, FARTHEST);
         let far = self.far.filter(|far| far.is_finite() && *far > near);
         let clip_from_view = match self.projection {
             Projection::Perspective { .. } => perspective(x, y, near, far),
-            Projection::Orthographic { .. } => orthographic(x, y, near, far.unwrap_or(near + 1e4)),
+            Projection::Orthographic { .. } => orthographic(x, y, near, far.unwrap_or(near + near.max(1e4))),
         };
-        clip_from_view * view_from_world((self.position - origin).as_vec3(), self.axes())
+        clip_from_view * view_from_world(self.place(origin), self.axes())
+    }
+
+    /// Where it is, relative to `origin`; what is farther away than can be told is at the farthest.
+    fn place(&self, origin: DVec3) -> Vec3 {
+        let most = DVec3::splat(f64::from(FARTHEST));
+        let place = self.position - origin;
+        if place.is_nan() { Vec3::ZERO } else { place.clamp(-most, most).as_vec3() }
     }
 
     /// Right, up, back.
@@ -181,9 +191,7 @@ impl Eye {
         let [right, up, back] = self.axes();
         let [x, y] = self.half(aspect);
         match self.projection {
-            Projection::Perspective { .. } => {
-                ((self.position - origin).as_vec3().extend(1.0), [-back, right * x, up * y])
-            }
+            Projection::Perspective { .. } => (self.place(origin).extend(1.0), [-back, right * x, up * y]),
             Projection::Orthographic { .. } => (back.extend(0.0), [-back, Vec3::ZERO, Vec3::ZERO]),
         }
     }
@@ -202,7 +210,7 @@ pub fn view_from_world(position: Vec3, [right, up, back]: [Vec3; 3]) -> Mat4 {
 /// Half width `x` and half height `y` at distance 1; depth 1 at `near`, 0 at `far` or at infinity.
 pub fn perspective(x: f32, y: f32, near: f32, far: Option<f32>) -> Mat4 {
     let (scale, offset) = match far {
-        Some(far) => (near / (far - near), near * far / (far - near)),
+        Some(far) => (near / (far - near), near / (far - near) * far),
         None => (0.0, near),
     };
     Mat4::from_cols(

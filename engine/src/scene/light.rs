@@ -99,7 +99,8 @@ impl Light {
 
     /// What the range leaves of the light at this distance: saturate(1 - (d/range)^4), 1 without a range.
     pub fn window(&self, distance: f32) -> f32 {
-        self.range.map_or(1.0, |range| (1.0 - (distance / range).powi(4)).clamp(0.0, 1.0))
+        let part = |range: f32| if range == f32::INFINITY { 0.0 } else { distance / range };
+        self.range.map_or(1.0, |range| (1.0 - part(range).powi(4)).clamp(0.0, 1.0))
     }
 
     /// Its spectrum: colour times intensity where it is on.

@@ -51,5 +51,5 @@ fn sun_diameter() -> f32 {
 
 /// Gradient: the weight of the zenith's colour at this height (y of the unit direction, >= 0).
 pub fn zenith_weight(height: f32) -> f32 {
-    height.max(0.0).sqrt()
+    height.max(0.0).sqrt().min(1.0)
 }

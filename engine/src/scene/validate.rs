@@ -12,6 +12,9 @@ use super::{
 
 /// Rotations have length 1, up to what a hand that types them rounds.
 const UNIT: f64 = 1e-2;
+/// Of lights [W/sr, W/m2] and of what surfaces and sky give [W/m2/sr]: above it, what bounces or falls on what is near
+/// would be no float.
+const BRIGHTEST: f32 = 1e26;
 
 pub(super) fn validate(scene: &Scene) -> Result<(), SceneError> {
     let mut known = Known { entities: HashMap::new(), materials: HashSet::new() };
@@ -103,6 +106,10 @@ fn check_light(light: &Light) -> Result<(), String> {
     require(is_light(light.color), "its light's colour has to be finite and not negative")?;
     require(is_amount(light.intensity), "its light's intensity has to be finite and not negative")?;
     require(
+        is_light(light.color * light.intensity) && (light.color * light.intensity).max_element() <= BRIGHTEST,
+        "its light is brighter than numbers go, 1e26 W/sr: the sun gives 3e25",
+    )?;
+    require(
         light.range.is_none_or(|range| range > 0.0),
         "its light's range has to be larger than 0, or none",
     )?;
@@ -189,7 +196,11 @@ fn check_material(material: &Material) -> Result<(), String> {
     require(albedo.color.is_finite(), "its albedo is not finite: type a new one")?;
     require(is_light(emission.color), "its emission's colour has to be finite and not negative")?;
     require(is_amount(emission.strength), "its emission's strength has to be finite and not negative")?;
-    require(is_light(emission.radiance()), "its emission is too strong to be a number")?;
+    let radiance = emission.radiance();
+    require(
+        is_light(radiance) && radiance.max_element() <= BRIGHTEST,
+        "its emission is too strong: at most 1e26 W/m2/sr",
+    )?;
     let cutoff = if let Alpha::Mask { cutoff } = material.alpha { cutoff } else { 0.0 };
     let factors = [*metallic, *roughness, *normal_scale, *opacity, cutoff];
     require(
@@ -209,7 +220,8 @@ fn is_placed(texture: &Texture) -> bool {
 }
 
 fn check_sky(sky: &Sky, known: &Known) -> Result<(), String> {
-    const RADIANCE: &str = "its radiance has to be finite and not negative";
+    const RADIANCE: &str = "its radiance has to be finite, not negative and at most 1e26";
+    let is_light = |radiance: Vec3| is_light(radiance) && radiance.max_element() <= BRIGHTEST;
     match &sky.kind {
         SkyKind::None => Ok(()),
         SkyKind::Constant { radiance } => require(is_light(*radiance), RADIANCE),
@@ -219,7 +231,10 @@ fn check_sky(sky: &Sky, known: &Known) -> Result<(), String> {
             sun.map_or(Ok(()), |sun| exists(known, sun, "its sun"))
         }
         SkyKind::Picture { strength, turn, .. } => {
-            require(is_amount(*strength), "its strength has to be finite and not negative")?;
+            require(
+                is_amount(*strength) && *strength <= BRIGHTEST,
+                "its strength has to be finite and not negative",
+            )?;
             require(turn.is_finite(), "its turn is not finite")
         }
     }

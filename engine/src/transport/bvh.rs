@@ -99,23 +99,33 @@ impl Bvh {
         let (origin, direction) =
             (Vec3A::from(origin * self.scale + normal * self.offset), unsigned(direction));
         let mut best: Option<Hit> = None;
+        let mut best_corners = &self.corners[0];
         let ray = Ray::new(origin, direction, 0.0, f32::INFINITY);
         self.tree.ray_traverse(ray, &mut RayHit::none(), |_, i| {
             let Some((t, barycentric, back)) = meet(origin, direction, &self.corners[i]) else {
                 return f32::INFINITY;
             };
             // A back face gives way to a front face in the same place: two rooms may share a wall without
-            // thickness. Equal front faces go to the lower number, whatever order the tree has.
+            // thickness. Of front faces in the same place, which rounding parts, the one of the lower number is met,
+            // whatever order the tree has.
             let t = if back { t * (1.0 + 4.0 * f32::EPSILON) + self.offset } else { t };
             let triangle = self.triangle_of[i];
-            if best.is_some_and(|best| (best.t, best.triangle) <= (t, triangle))
-                || self.open(triangle, barycentric, chance, holes)
-            {
+            let in_one_place = |best: &Hit| {
+                best.back == back
+                    && (best.t - t).abs() <= self.offset
+                    && is_parallel(best_corners, &self.corners[i])
+            };
+            let is_before = |best: Hit| match in_one_place(&best) {
+                true => best.triangle <= triangle,
+                false => (best.t, best.triangle) <= (t, triangle),
+            };
+            if best.is_some_and(is_before) || self.open(triangle, barycentric, chance, holes) {
                 return f32::INFINITY;
             }
             best = Some(Hit { triangle, t, barycentric, back });
-            // Nodes at the same distance must still be looked at.
-            t * (1.0 + f32::EPSILON)
+            best_corners = &self.corners[i];
+            // Nodes in the same place must still be looked at.
+            t * (1.0 + f32::EPSILON) + self.offset
         });
         best
     }
@@ -187,6 +197,12 @@ pub fn patch_of(hit: &Hit, patches: &[[u32; 2]]) -> Option<u32> {
 /// Without -0, which the tree takes for the wrong octant.
 fn unsigned(direction: Vec3) -> Vec3A {
     Vec3A::from(direction) + Vec3A::ZERO
+}
+
+/// Do two triangles face the same way? Walls that meet in a corner are as near to each other, and part rooms.
+fn is_parallel(a: &[Vec3A; 3], b: &[Vec3A; 3]) -> bool {
+    let [a, b] = [a, b].map(|corners| (corners[1] - corners[0]).cross(corners[2] - corners[0]));
+    a.dot(b) > 0.999 * (a.length_squared() * b.length_squared()).sqrt()
 }
 
 /// (t > 0, weights of the second and third corner, seen from behind).

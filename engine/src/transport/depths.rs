@@ -47,8 +47,8 @@ impl Depths {
 
     /// Share that the probe of this map sees of a point at this way from it, 0 to 1.
     pub fn seen(&self, map: usize, way: Vec3) -> f32 {
-        let distance = way.abs().element_sum();
-        if distance <= 0.0 {
+        let distance = way.abs().element_sum().min(f32::MAX);
+        if !way.is_finite() || distance <= 0.0 {
             return 1.0;
         }
         let nearness = read(&self.nearness[map * NODES..][..NODES], way / distance);

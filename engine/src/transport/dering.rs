@@ -27,6 +27,10 @@ const MARGIN: f32 = 1e-6;
 pub fn dering(l: &mut [Vec3; COEFFICIENTS]) {
     for channel in 0..3 {
         let [one, two] = window(&l.map(|l| l[channel]));
+        if l.iter().any(|l| !l[channel].is_finite()) {
+            l.iter_mut().for_each(|l| l[channel] = 0.0); // no light that anybody knows
+            continue;
+        }
         l[1..4].iter_mut().for_each(|l| l[channel] *= one);
         l[4..].iter_mut().for_each(|l| l[channel] *= two);
     }
@@ -45,6 +49,9 @@ fn window(l: &[f32; COEFFICIENTS]) -> [f32; 2] {
         return [0.0; 2];
     }
     let form = Form::new(l);
+    if !form.b.iter().chain(&form.q).all(|part| part.is_finite() && part.abs() < 1e15) {
+        return [0.0; 2]; // beside the others the mean is nothing
+    }
     let kept = |w: f32| [w / (w + 4.0 * (1.0 - w)), w / (w + 36.0 * (1.0 - w))];
     if form.least(kept(1.0)) >= MARGIN {
         return [1.0; 2];

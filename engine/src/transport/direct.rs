@@ -16,6 +16,11 @@ use super::solid_angle::{cone_in_triangle, solid_angle};
 use super::{Patch, Sample, Transport};
 use crate::scene::{EntityId, Light, LightKind, Scene};
 
+/// A light is never nearer to a point than this [m], and never gives more than this [W/m2]: of what validation lets
+/// through (1e26 W/sr) sums over lights and samples are floats.
+const NEAREST: f32 = 1e-6;
+const BRIGHTEST: f32 = 1e34;
+
 /// A light in the transport's space (metres from its origin).
 #[derive(Clone, Debug)]
 pub struct PlacedLight {
@@ -92,11 +97,11 @@ impl PlacedLight {
         let cosine = normal.dot(to_light).max(0.0);
         let fall_off = match self.light.kind {
             LightKind::Sun => 1.0,
-            _ if distance > 0.0 => 1.0 / (distance * distance + disc),
-            _ => 0.0,
+            _ => 1.0 / (distance.max(NEAREST).powi(2) + disc),
         };
         let most = if disc > 0.0 { self.solid_angle() / (disc * TAU) } else { f32::INFINITY };
-        self.light.power() * (cosine * fall_off * self.share(to_light, distance)).min(most)
+        let arrives = self.light.power() * (cosine * fall_off * self.share(to_light, distance)).min(most);
+        arrives.min(Vec3::splat(BRIGHTEST))
     }
 }
 
@@ -199,7 +204,7 @@ fn near_irradiance(transport: &Transport, patch: &Patch, light: &PlacedLight) ->
         };
         flux += in_cone * light.light.window((a + b + c).length() / 3.0);
     }
-    light.light.power() * (flux / patch.area)
+    (light.light.power() * (flux / patch.area)).min(Vec3::splat(BRIGHTEST))
 }
 
 /// A length no point of the scene is farther from its origin than.

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use bytemuck::Pod;
 use serde::{Deserialize, Serialize};
 
-use super::{Certificate, Depths, Rows, Surface, Transport};
+use super::{Certificate, Depths, Rows, Surface, Transport, packed};
 
 const MAGIC: &[u8; 8] = b"HOHLRAUM";
 pub const VERSION: u32 = 1;
@@ -56,14 +56,24 @@ pub fn arrays(transport: &Transport) -> Vec<(&'static str, Cow<'_, [u8]>)> {
         ("sky", Cow::Owned(transport.sky_patches.to_le_bytes().to_vec())),
     ];
     let rows = [
-        (["patch.starts", "patch.columns", "patch.weights"], &transport.patch_from_patch),
-        (["receiver.starts", "receiver.columns", "receiver.weights"], &transport.receiver_from_patch),
-        (["probe.starts", "probe.columns", "probe.weights"], &transport.probe_from_patch),
+        (["patch.starts", "patch.columns", "patch.weights", "patch.packed"], &transport.patch_from_patch),
+        (
+            ["receiver.starts", "receiver.columns", "receiver.weights", "receiver.packed"],
+            &transport.receiver_from_patch,
+        ),
+        (["probe.starts", "probe.columns", "probe.weights", "probe.packed"], &transport.probe_from_patch),
     ];
-    for ([starts, columns, weights], rows) in rows {
+    for ([starts, columns, weights, packed], rows) in rows {
         arrays.push((starts, plain(&rows.starts)));
-        arrays.push((columns, plain(&rows.columns)));
-        arrays.push((weights, plain(&rows.weights)));
+        match packed::pack_all(&rows.columns, &rows.weights) {
+            Some(entries) => {
+                arrays.push((packed, Cow::Owned(bytemuck::cast_slice(&entries).to_vec())));
+            }
+            None => {
+                arrays.push((columns, plain(&rows.columns)));
+                arrays.push((weights, plain(&rows.weights)));
+            }
+        }
     }
     if !transport.depths.probes.is_empty() {
         arrays.push((DEPTH_PROBES, plain(&transport.depths.probes)));
@@ -267,10 +277,48 @@ impl Sections<'_> {
     }
 
     fn rows(&self, name: &str) -> Result<Rows, String> {
+        let packed = format!("{name}.packed");
+        if self.sections.iter().any(|section| section.name == packed) {
+            let entries: Vec<u32> = self.read(&packed)?;
+            let (columns, weights) = entries.into_iter().map(packed::unpack).unzip();
+            return Ok(Rows { starts: self.read(&format!("{name}.starts"))?, columns, weights });
+        }
         Ok(Rows {
             starts: self.read(&format!("{name}.starts"))?,
             columns: self.read(&format!("{name}.columns"))?,
             weights: self.read(&format!("{name}.weights"))?,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::transport::{Patch, Receiver};
+
+    fn transport(weight: f32) -> Transport {
+        let patch = Patch { area: 1.0, ..Patch::default() };
+        let mut transport = Transport { patches: vec![patch; 40], ..Transport::default() };
+        transport.surface.batches.push(Default::default());
+        transport.receivers = vec![Receiver::default(); 100];
+        (0..40).for_each(|_| transport.patch_from_patch.push([(3, 0.3)]));
+        (0..100).for_each(|_| transport.receiver_from_patch.push((0..40).map(|j| (j, weight))));
+        transport
+    }
+
+    #[test]
+    fn rows_come_back_as_they_were_packed_or_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("light");
+        let lengths = [1.0 / 64.0, 0.02].map(|weight| {
+            let transport = transport(weight);
+            let length = save(&path, &transport).unwrap();
+            let loaded = load(&path).unwrap();
+            assert_eq!(loaded.receiver_from_patch, transport.receiver_from_patch);
+            assert_eq!(loaded.patch_from_patch, transport.patch_from_patch);
+            assert_eq!(loaded.hash(), transport.hash());
+            length
+        });
+        assert!(lengths[0] + 4 * 4000 < lengths[1] + 256, "{lengths:?}");
     }
 }

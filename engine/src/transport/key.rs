@@ -23,8 +23,9 @@ pub struct BakeWith {
     pub length: f64,
 }
 
-/// Counts up whenever the same input bakes to other bytes. 3: probes beside walls keep how far they see.
-const METHOD: u32 = 3;
+/// Counts up whenever the same input bakes to other bytes. 5: closed forms for pairs with nothing between them; weights
+/// of receivers and probes that four bytes hold; origins at halves of the grid.
+const METHOD: u32 = 5;
 
 /// One thing that a bake was made of.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -27,6 +27,7 @@ pub mod file;
 pub mod key;
 pub mod materials;
 pub mod occluders;
+pub mod packed;
 pub mod probe_field;
 pub mod reflection;
 pub mod rows;
@@ -39,6 +40,7 @@ pub mod steering;
 pub mod surface;
 pub mod tetrahedra;
 pub mod tree;
+mod validate;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
@@ -197,6 +199,7 @@ impl Transport {
             return Err("a sample names a patch that does not exist".to_owned());
         }
         self.depths.validate(self.probes.len())?;
+        validate::numbers(self)?;
         let rows = [
             ("patch", &self.patch_from_patch, patches, true),
             ("receiver", &self.receiver_from_patch, self.receivers.len(), true),

@@ -23,7 +23,8 @@ const FADING: u32 = 24;
 
 /// Signed solid angle of a triangle seen from the origin; negative when its corners run counter-clockwise as seen
 /// from there.
-pub fn solid_angle([a, b, c]: [Vec3; 3]) -> f32 {
+pub fn solid_angle(corners: [Vec3; 3]) -> f32 {
+    let Some([a, b, c]) = scaled(corners) else { return 0.0 };
     let (la, lb, lc) = (a.length(), b.length(), c.length());
     // a . (b x c), without losing digits where the origin is close to the triangle.
     let numerator = a.dot((b - a).cross(c - a));
@@ -31,9 +32,21 @@ pub fn solid_angle([a, b, c]: [Vec3; 3]) -> f32 {
     2.0 * numerator.atan2(denominator)
 }
 
+/// Of a size at which products of three lengths are floats; directions do not change. `None`: a corner is nowhere, or
+/// all are at the origin.
+fn scaled(corners: [Vec3; 3]) -> Option<[Vec3; 3]> {
+    let size = corners.iter().map(|corner| corner.abs().max_element()).fold(0.0, f32::max);
+    if !corners.iter().all(|corner| corner.is_finite()) || size <= 0.0 {
+        return None;
+    }
+    let is_usual = (1e-9..=1e9).contains(&size);
+    Some(if is_usual { corners } else { corners.map(|corner| corner / size) })
+}
+
 /// Int over a triangle's directions of saturate(scale * cos + offset)^2, cos to the unit `axis`, seen from the origin
 /// [sr]. The corners run clockwise as seen from there; the cone is narrower than a half space.
 pub fn cone_in_triangle(corners: [Vec3; 3], axis: Vec3, [scale, offset]: [f32; 2]) -> f32 {
+    let Some(corners) = scaled(corners) else { return 0.0 };
     // Beside the axis by what nobody sees: no edge and no corner lies on it, as they do in scenes on a grid.
     let (x, y) = axis.any_orthonormal_pair();
     let z = (axis + x * 1.1e-5 + y * 0.7e-5).normalize();

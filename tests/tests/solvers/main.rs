@@ -60,8 +60,11 @@ fn dense(channel: &Channel, e: &[f64]) -> Vec<f64> {
     b
 }
 
+/// By patch and wall.
+type Albedo = fn(u32, u32) -> f64;
+
 /// What there is to solve, by name: closed, black, open, long, in two pieces, patchy, stiff.
-fn scenes() -> Vec<(&'static str, Geometry, fn(u32, u32) -> f64)> {
+fn scenes() -> Vec<(&'static str, Geometry, Albedo)> {
     vec![
         ("closed box", BOX.clone(), |_, _| 0.7),
         ("box with a black wall", BOX.clone(), |_, wall| if wall == 2 { 0.0 } else { 0.8 }),
@@ -74,7 +77,7 @@ fn scenes() -> Vec<(&'static str, Geometry, fn(u32, u32) -> f64)> {
     ]
 }
 
-fn channel<'a>(geometry: &'a Geometry, albedo: fn(u32, u32) -> f64) -> Channel<'a> {
+fn channel<'a>(geometry: &'a Geometry, albedo: Albedo) -> Channel<'a> {
     let patches = geometry.patches.iter().enumerate();
     let albedo = patches.map(|(i, patch)| albedo(i as u32, patch.batch));
     Channel::new(&geometry.rows, &geometry.patches, albedo)
@@ -82,9 +85,7 @@ fn channel<'a>(geometry: &'a Geometry, albedo: fn(u32, u32) -> f64) -> Channel<'
 
 #[test]
 fn all_methods_find_the_solution_of_gauss() {
-    for albedo in [|_, _| 0.5, |patch, _| [0.9, 0.0, 0.3][patch as usize % 3], |_, _| 0.9999]
-        as [fn(u32, u32) -> f64; 3]
-    {
+    for albedo in [|_, _| 0.5, |patch, _| [0.9, 0.0, 0.3][patch as usize % 3], |_, _| 0.9999] as [Albedo; 3] {
         let channel = channel(&SMALL_BOX, albedo);
         let e = bright(channel.matrix.len());
         let wanted = dense(&channel, &e);

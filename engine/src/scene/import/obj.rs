@@ -12,7 +12,7 @@ use glam::{Vec2, Vec3, Vec4};
 
 use super::path::{beside, shortened};
 use super::polygon::triangulated;
-use super::triangles::{Part, joined};
+use super::triangles::{Part, Repairs, joined};
 use super::{existing, mtl};
 use crate::scene::{
     Density, Entity, EntityId, Material, MaterialId, Mesh, MeshRenderer, MeshSource, Reflection, Scene,
@@ -104,13 +104,11 @@ pub fn mesh(obj: &Obj, index: usize) -> Result<(Mesh, Vec<Warning>), String> {
     let object = object.ok_or_else(|| format!("has no object {index}: there are {}", obj.objects.len()))?;
     let parts = object.runs.iter().map(|run| Ok(part(run))).enumerate();
     let named = |message: String| format!("object {index} `{}`: {message}", object.name);
-    let (mesh, dropped) = joined(parts).map_err(named)?;
-    let mut warnings = Vec::new();
-    if dropped > 0 {
-        let message = format!("{dropped} triangles have corners that are not finite and were dropped");
-        warnings.push(Warning::new(&obj.file, named(message)));
-    }
-    Ok((mesh, warnings))
+    let (mesh, repairs) = joined(parts).map_err(named)?;
+    // Corners that have no normal or texture coordinate stand as NaN here.
+    let repairs = Repairs { replaced: 0, ..repairs };
+    let warnings = repairs.messages().map(|message| Warning::new(&obj.file, named(message)));
+    Ok((mesh, warnings.collect()))
 }
 
 /// One entity an object, with the materials of the libraries. Also which files the libraries and their

@@ -23,25 +23,51 @@ pub struct Part {
     pub indices: Vec<u32>,
 }
 
-/// The parts (each with its number in the file, for messages) as the primitives of one mesh, and how many
-/// triangles were dropped because their corners are not finite.
-pub fn joined(parts: impl Iterator<Item = (usize, Result<Part, String>)>) -> Result<(Mesh, usize), String> {
+/// What was no number.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Repairs {
+    /// Triangles whose corners are not finite.
+    pub dropped: usize,
+    /// Normals, texture coordinates and colours that are not finite.
+    pub replaced: usize,
+}
+
+impl Repairs {
+    /// For people.
+    pub fn messages(&self) -> impl Iterator<Item = String> {
+        let Self { dropped, replaced } = *self;
+        let of_triangles = format!("{dropped} triangles have corners that are not finite and were dropped");
+        let of_attributes =
+            format!("{replaced} normals, texture coordinates or colours are not finite and were replaced");
+        [(dropped, of_triangles), (replaced, of_attributes)]
+            .into_iter()
+            .filter(|(count, _)| *count > 0)
+            .map(|(_, message)| message)
+    }
+}
+
+/// The parts (each with its number in the file, for messages) as the primitives of one mesh, and what had to be
+/// repaired in them.
+pub fn joined(parts: impl Iterator<Item = (usize, Result<Part, String>)>) -> Result<(Mesh, Repairs), String> {
     let mut mesh = Mesh::default();
-    let mut dropped = 0;
+    let mut repairs = Repairs::default();
     for (n, part) in parts {
-        let (part, lost) = part.and_then(repaired).map_err(|message| format!("primitive {n}: {message}"))?;
+        let (part, of_part) =
+            part.and_then(repaired).map_err(|message| format!("primitive {n}: {message}"))?;
         if (mesh.positions.len() + part.positions.len()).max(mesh.indices.len() + part.indices.len()) > MOST {
             return Err(format!("has more than {MOST} vertices or indices: divide it"));
         }
-        dropped += lost;
+        repairs.dropped += of_part.dropped;
+        repairs.replaced += of_part.replaced;
         append(&mut mesh, part);
     }
-    Ok((mesh, dropped))
+    Ok((mesh, repairs))
 }
 
-fn repaired(mut part: Part) -> Result<(Part, usize), String> {
+fn repaired(mut part: Part) -> Result<(Part, Repairs), String> {
     check_lengths(&part)?;
     let before = part.indices.len();
+    let replaced = not_finite(&part);
     drop_unusable_triangles(&mut part);
     let dropped = (before - part.indices.len()) / 3;
     if part.normals.is_none() {
@@ -49,7 +75,13 @@ fn repaired(mut part: Part) -> Result<(Part, usize), String> {
     }
     repair_normals(&mut part);
     repair_attributes(&mut part);
-    Ok((part, dropped))
+    Ok((part, Repairs { dropped, replaced }))
+}
+
+fn not_finite(part: &Part) -> usize {
+    let normals = part.normals.iter().flatten().filter(|normal| !normal.is_finite()).count();
+    let uvs = part.uvs.iter().flatten().flatten().filter(|uv| !uv.is_finite()).count();
+    normals + uvs + part.colors.iter().flatten().filter(|color| !color.is_finite()).count()
 }
 
 fn check_lengths(part: &Part) -> Result<(), String> {

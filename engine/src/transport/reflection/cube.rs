@@ -39,8 +39,9 @@ pub fn direction(face: usize, s: f32, t: f32) -> Vec3 {
     forward + right * s - up * t
 }
 
-/// The face that a direction meets, and where.
+/// The face that a direction meets, and where. What is no direction meets the middle of a face.
 pub fn face_of(direction: Vec3) -> (usize, f32, f32) {
+    let direction = if direction.is_finite() && direction != Vec3::ZERO { direction } else { Vec3::X };
     let size = direction.abs();
     let face = if size.x >= size.y && size.x >= size.z {
         usize::from(direction.x < 0.0)
@@ -77,7 +78,7 @@ impl Cube {
 
     /// Trilinear, without seams between faces.
     pub fn sample(&self, direction: Vec3, level: f32) -> Vec3 {
-        let level = level.clamp(0.0, (self.levels.len() - 1) as f32);
+        let level = if level.is_nan() { 0.0 } else { level.clamp(0.0, (self.levels.len() - 1) as f32) };
         let low = level.floor() as usize;
         let high = (low + 1).min(self.levels.len() - 1);
         self.levels[low].sample(direction).lerp(self.levels[high].sample(direction), level - low as f32)
@@ -85,7 +86,7 @@ impl Cube {
 
     /// Blurred with directions about the mirrored one ([`super::ggx::samples`]).
     pub fn blurred(&self, direction: Vec3, samples: &[Vec4]) -> Vec3 {
-        let normal = direction.normalize();
+        let normal = direction.normalize_or(Vec3::Y);
         let up = if normal.y.abs() < 0.9 { Vec3::Y } else { Vec3::X };
         let tangent = up.cross(normal).normalize();
         let bitangent = normal.cross(tangent);
@@ -96,7 +97,7 @@ impl Cube {
             sum += self.sample(way, sample.w) * sample.z;
             weights += sample.z;
         }
-        sum / weights
+        if weights > 0.0 { sum / weights } else { self.sample(normal, 0.0) }
     }
 
     /// Spherical harmonics of its radiance: a sum over the texels of the largest level up to `size`, each by its

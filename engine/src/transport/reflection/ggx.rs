@@ -45,6 +45,7 @@ fn spherical(cos: f32, turn: f32) -> Vec3 {
 /// a mean over visible half vectors with height-correlated masking (Heitz 2014).
 pub fn split_sum(cosine: f32, roughness: f32) -> [f32; 2] {
     const COUNT: u32 = 256;
+    let (cosine, roughness) = (cosine.clamp(0.0, 1.0), roughness.clamp(0.0, 1.0));
     let alpha = (roughness * roughness).max(1e-4);
     let view = Vec3::new((1.0 - cosine * cosine).max(0.0).sqrt(), 0.0, cosine);
     let [mut scale, mut bias] = [0.0_f64; 2];

@@ -53,15 +53,14 @@ impl Influence {
             return None;
         }
         let half = Vec3::from(lengths.map(|length| length as f32));
+        let position = (world_from_local.translation - origin).as_vec3();
+        let (box_from_world, shift) = (inverse.as_mat3(), shift.as_vec3());
+        let is_one = half.is_finite() && position.is_finite() && half.min_element() > 0.0;
+        if !(is_one && box_from_world.is_finite() && shift.is_finite()) {
+            return None; // in single precision
+        }
         let fade = probe.blend_distance.max(LEAST_FADE * half.min_element());
-        Some(Self {
-            box_from_world: inverse.as_mat3(),
-            shift: shift.as_vec3(),
-            half,
-            fade,
-            position: (world_from_local.translation - origin).as_vec3(),
-            importance: probe.importance,
-        })
+        Some(Self { box_from_world, shift, half, fade, position, importance: probe.importance })
     }
 
     /// Cubic metres, over 8.
@@ -72,12 +71,13 @@ impl Influence {
     /// How far a point is inside the box, metres; negative outside.
     pub fn depth(&self, position: Vec3) -> f32 {
         let inside = (Vec3::ONE - (self.box_from_world * position + self.shift).abs()) * self.half;
-        inside.min_element()
+        // What is nowhere, or beyond all floats, is as far outside as can be.
+        if inside.is_finite() { inside.min_element() } else { f32::MIN }
     }
 
     /// Its weight where no other probe is: 1 in the box, 0 farther away than the blend distance.
     pub fn raw(&self, position: Vec3) -> f32 {
-        let t = (1.0 + self.depth(position) / self.fade).clamp(0.0, 1.0);
+        let t = (1.0 + self.depth(position) / self.fade.min(f32::MAX)).clamp(0.0, 1.0);
         t * t * (3.0 - 2.0 * t)
     }
 

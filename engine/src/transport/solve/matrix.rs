@@ -127,7 +127,9 @@ fn weigh(columns: &[u32], weights: &[f32], x: &[f64]) -> f64 {
     (sums[0] + sums[1]) + (sums[2] + sums[3]) + last
 }
 
+/// max |values|.
 pub(super) fn largest(values: &[f64]) -> f64 {
-    // f64::max would pass over what is no number.
-    values.iter().fold(0.0, |max, value| if value.abs() <= max { max } else { value.abs() })
+    // f64::max would pass over what is no number, which here is larger than any.
+    let larger = |max: f64, value: &f64| if value.abs() > max || value.is_nan() { value.abs() } else { max };
+    values.iter().fold(0.0, larger)
 }

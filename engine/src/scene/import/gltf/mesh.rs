@@ -26,14 +26,9 @@ pub fn mesh(gltf: &Gltf, index: usize) -> Result<(Mesh, Vec<Warning>), String> {
     let name = mesh_name(&mesh);
     let parts = mesh.primitives().filter(makes_triangles);
     let parts = parts.map(|primitive| (primitive.index(), part(gltf, &primitive)));
-    let (joined, dropped) = joined(parts).map_err(|message| format!("{name}: {message}"))?;
-    let mut warnings = Vec::new();
-    if dropped > 0 {
-        let message =
-            format!("{name}: {dropped} triangles have corners that are not finite and were dropped");
-        warnings.push(Warning::new(&gltf.file, message));
-    }
-    Ok((joined, warnings))
+    let (joined, repairs) = joined(parts).map_err(|message| format!("{name}: {message}"))?;
+    let warn = |message| Warning::new(&gltf.file, format!("{name}: {message}"));
+    Ok((joined, repairs.messages().map(warn).collect()))
 }
 
 /// For messages.
