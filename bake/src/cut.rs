@@ -1,5 +1,5 @@
-//! Where charts cross or touch: the lines along which they are cut, so that no patch and no receiver straddles
-//! a wall that stands on its floor.
+//! Where charts cross or touch, or all but touch ([`crate::gap`]): the lines along which they are cut, so that no patch
+//! and no receiver straddles a wall that stands on its floor.
 
 use std::collections::{HashMap, HashSet};
 use std::time::Duration;
@@ -10,6 +10,7 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::builder::build_bvh2;
 
 use crate::chart::{Chart, Charts, Frame};
+use crate::gap;
 use crate::surface::Surface;
 
 /// Segments by chart, in the chart's plane, clipped to it.
@@ -20,8 +21,10 @@ pub type Cuts = HashMap<u32, Vec<[DVec2; 2]>>;
 pub fn cuts(surface: &Surface, charts: &Charts, size: impl Fn(u32) -> f64) -> Cuts {
     let pairs = touching(surface, charts, &size);
     let mut cuts = Cuts::new();
-    let mut chart_ids: Vec<u32> = pairs.keys().copied().collect();
+    let near = gap::near(surface, charts, &size);
+    let mut chart_ids: Vec<u32> = pairs.keys().chain(near.keys()).copied().collect();
     chart_ids.sort_unstable();
+    chart_ids.dedup();
     for id in chart_ids {
         let chart = &charts.charts[id as usize];
         let reach = contact(size(id));
@@ -29,8 +32,15 @@ pub fn cuts(surface: &Surface, charts: &Charts, size: impl Fn(u32) -> f64) -> Cu
             continue; // a coin on a ground of a hundred kilometres: a cut would reach beyond it, and it would grow
         }
         let mut segments: Vec<[DVec2; 2]> = Vec::new();
-        for &other in &pairs[&id] {
+        for &other in pairs.get(&id).into_iter().flatten() {
             for segment in meet(&chart.frame, surface.triangles[other as usize].positions(), reach) {
+                clip(surface, chart, segment, reach, &mut segments);
+            }
+        }
+        let both =
+            surface.batches[surface.triangles[chart.triangles[0] as usize].batch as usize].double_sided != 0;
+        for &other in near.get(&id).into_iter().flatten() {
+            for segment in gap::outline(charts, other, &chart.frame, both, reach, size(id)) {
                 clip(surface, chart, segment, reach, &mut segments);
             }
         }

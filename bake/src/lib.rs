@@ -10,6 +10,7 @@ mod cut;
 mod depth;
 mod directions;
 mod emitter;
+mod gap;
 mod holes;
 mod layout;
 mod overlap;
