@@ -36,11 +36,6 @@ impl<'a> AlphaHoles<'a> {
         self.materials.iter().map(Option::is_some).collect()
     }
 
-    /// Does a triangle stop all light?
-    pub fn is_whole(&self, triangle: usize) -> bool {
-        self.materials[triangle].is_none()
-    }
-
     /// The share of light that a triangle stops at a place.
     fn coverage(&self, triangle: u32, [v, w]: [f32; 2]) -> f32 {
         let Some(material) = self.materials[triangle as usize] else { return 1.0 };

@@ -5,20 +5,22 @@ use engine::transport::key::BakeWith;
 
 use crate::{BakeError, Settings};
 
-/// Patches that a quality aims at; the patch length follows from the scene's area.
+/// Patches that a quality aims at; the patch length follows from the scene's area. Together with the rays below they are
+/// measured points on the front of error against bake time (`hohlraum-bake report`): errors of patches fall with their
+/// length, those of rays are averaged away by the receivers, so that rays are worth less than patches.
 fn patches(quality: Quality) -> f64 {
     match quality {
-        Quality::Draft => 500.0,
-        Quality::Standard => 2000.0,
+        Quality::Draft => 1000.0,
+        Quality::Standard => 4000.0,
         Quality::Fine => 8000.0,
     }
 }
 
 fn rays(quality: Quality) -> u32 {
     match quality {
-        Quality::Draft => 1024,
-        Quality::Standard => 2048,
-        Quality::Fine => 4096,
+        Quality::Draft => 256,
+        Quality::Standard => 512,
+        Quality::Fine => 2048,
     }
 }
 

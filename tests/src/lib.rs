@@ -20,8 +20,8 @@ pub fn shared() -> Option<PathBuf> {
     None
 }
 
-pub mod enclosure;
 pub mod closed_forms;
+pub mod enclosure;
 pub mod lit;
 pub mod picture;
 pub mod repeats;

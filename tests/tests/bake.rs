@@ -300,6 +300,34 @@ fn damaged_light_files_are_refused_by_name() {
     assert_eq!(std::fs::read(&file).expect("a light file").len(), whole.len());
 }
 
+/// No patch is half under the panel: what is covered is dark, the rest is not darkened by it.
+#[test]
+fn a_panel_just_under_the_ceiling_cuts_it_along_its_outline() {
+    let mut surfaces: Vec<(&str, Faces)> = ["-x", "+x", "-y", "ceiling", "-z", "+z"]
+        .into_iter()
+        .zip(walls(Vec3::ZERO, Vec3::ONE).iter().map(face))
+        .collect();
+    let corner = Vec3::new(0.3, 0.99, 0.35);
+    surfaces.push(("panel", quad(corner, Vec3::X * 0.37, Vec3::Z * 0.33)));
+    let project = surfaces::project(&surfaces);
+    let transport = bake(project.path(), None, &settings(), &Silent).expect("a bake").transport;
+    let entities = surfaces::entities(&transport);
+    let (mut covered, mut ceiling) = (0.0, 0.0);
+    for (i, patch) in transport.patches.iter().enumerate().filter(|&(i, _)| entities[i] == 4) {
+        let triangles = patch.first_triangle..patch.first_triangle + patch.triangle_count;
+        let under = |p: Vec3| {
+            let p = p + transport.origin.as_vec3() - corner;
+            p.x > 0.0 && p.x < 0.37 && p.z > 0.0 && p.z < 0.33
+        };
+        let middle = |t: u32| transport.surface.positions(t as usize).iter().sum::<Vec3>() / 3.0;
+        let (inside, all) = (triangles.clone().filter(|&t| under(middle(t))).count(), triangles.len());
+        assert!(inside == 0 || inside == all, "patch {i} is half under the panel");
+        ceiling += f64::from(patch.area);
+        covered += if inside == all { f64::from(patch.area) } else { 0.0 };
+    }
+    assert!((ceiling - 1.0).abs() < 1e-6 && (covered - 0.37 * 0.33).abs() < 1e-6, "{covered} of {ceiling}");
+}
+
 #[test]
 fn a_bake_whose_certificate_does_not_hold_is_asked_by_force_alone() {
     let project = cube();

@@ -2,7 +2,7 @@
 
 use bake::compress::{CutRows, cut_rows, deviations, marked, one_ray};
 use bake::{Settings, Silent, bake};
-use engine::scene::file::{Quality, load_scene};
+use engine::scene::file::load_scene;
 use engine::scene::import::load_assets;
 use engine::transport::packed::{fold, pack, pack_all, unpack};
 use engine::transport::solve::{System, exact, gather};
@@ -19,9 +19,13 @@ struct Box {
     lit: Vec<(&'static str, Vec<DVec3>)>,
 }
 
-fn cornell(quality: Quality, rays: Option<u32>) -> Box {
+/// 500 patches, 2000 patches [m].
+const COARSE: f64 = 0.062;
+const MIDDLE: f64 = 0.031;
+
+fn cornell(length: f64, rays: u32) -> Box {
     let project = TestProject::copy_of(&workspace().join("projects/cornell"));
-    let settings = Settings { quality: Some(quality), rays, ..Settings::default() };
+    let settings = Settings { patch_length: Some(length), rays: Some(rays), ..Settings::default() };
     let transport = bake(project.path(), None, &settings, &Silent).unwrap().transport;
     let scene = load_scene(project.path(), "cornell").unwrap();
     let (assets, _) = load_assets(project.path(), &scene).unwrap();
@@ -98,24 +102,24 @@ fn figures(cornell: &Box) {
 }
 
 #[test]
-fn a_third_of_a_draft_and_half_of_a_standard_box_is_saved_for_a_quarter_percent() {
-    for (quality, shrinks) in [(Quality::Draft, 1.6), (Quality::Standard, 2.0)] {
-        let cornell = cornell(quality, None);
+fn a_third_of_a_coarse_and_half_of_a_finer_box_is_saved_for_a_quarter_percent() {
+    for (length, rays, shrinks) in [(COARSE, 1024, 1.6), (MIDDLE, 2048, 2.0)] {
+        let cornell = cornell(length, rays);
         figures(&cornell);
         let rows = &cornell.transport.receiver_from_patch;
         let cut = cut_rows(rows, &cornell.transport, &cornell.marked, one_ray(&cornell.transport));
         let missed = missed(&cornell, &cut);
         let shrunk = rows.entries() as f64 / cut.rows.entries() as f64;
-        assert!(shrunk > shrinks, "{quality}: {shrunk}");
-        assert!(missed[0] < 0.0025 && missed[1] < 0.006, "{quality}: {missed:?}");
+        assert!(shrunk > shrinks, "{length} m: {shrunk}");
+        assert!(missed[0] < 0.0025 && missed[1] < 0.006, "{length} m: {missed:?}");
     }
 }
 
 /// What is merged is mostly noise: against rows of 16 times as many rays, one bright patch comes out no worse.
 #[test]
 fn cut_rows_are_about_as_near_the_truth_as_whole_ones() {
-    let cornell = cornell(Quality::Draft, None);
-    let truth = self::cornell(Quality::Draft, Some(16384)).transport;
+    let cornell = cornell(COARSE, 1024);
+    let truth = self::cornell(COARSE, 16384).transport;
     let transport = &cornell.transport;
     assert_eq!(truth.receivers, transport.receivers);
     let rows = &transport.receiver_from_patch;
@@ -131,7 +135,7 @@ fn cut_rows_are_about_as_near_the_truth_as_whole_ones() {
 
 #[test]
 fn a_furnace_stays_even() {
-    let cornell = cornell(Quality::Draft, None);
+    let cornell = cornell(COARSE, 1024);
     let transport = &cornell.transport;
     let rows = &transport.receiver_from_patch;
     let cut = cut_rows(rows, transport, &cornell.marked, 4.0 * one_ray(transport));
@@ -144,7 +148,7 @@ fn a_furnace_stays_even() {
 /// The rows of patches stand for what receivers' were before they were folded.
 #[test]
 fn four_bytes_an_entry_miss_next_to_nothing() {
-    let cornell = cornell(Quality::Draft, None);
+    let cornell = cornell(COARSE, 1024);
     let rows = &cornell.transport.patch_from_patch;
     let mut folded = Rows::default();
     for row in 0..rows.len() {

@@ -23,8 +23,8 @@ pub struct BakeWith {
     pub length: f64,
 }
 
-/// Counts up whenever the same input bakes to other bytes. 5: closed forms for pairs with nothing between them; weights
-/// of receivers and probes that four bytes hold; origins at halves of the grid.
+/// Counts up whenever the same input bakes to other bytes. 5: cuts along what stands a
+/// little off; weights of receivers and probes that four bytes hold; origins at halves of the grid.
 const METHOD: u32 = 5;
 
 /// One thing that a bake was made of.

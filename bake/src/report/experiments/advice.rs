@@ -6,6 +6,9 @@ use super::lit::weights;
 use super::truth::Truth;
 use crate::report::model::{Advice, Diagram, Error, Point};
 
+/// What has more than this many times the error saves nothing.
+const NO_SAVING: f64 = 4.0;
+
 /// A bake that was measured: how it is asked for, seconds, error.
 struct Measured {
     change: String,
@@ -30,7 +33,7 @@ pub fn of_bakes(bakes: &Bakes, presets: &[Preset], shipped: Recipe, truth: &Trut
         others.iter().filter(|one| one.error < now.error).min_by(|a, b| a.error.total_cmp(&b.error));
     let quick = others
         .iter()
-        .filter(|one| one.seconds <= 0.5 * now.seconds)
+        .filter(|one| one.seconds <= 0.5 * now.seconds && one.error <= NO_SAVING * now.error)
         .min_by(|a, b| a.error.total_cmp(&b.error));
     let free = others
         .iter()
@@ -74,7 +77,7 @@ pub fn of_frames(diagram: &Diagram) -> Vec<Advice> {
     let quicker = series
         .points
         .iter()
-        .filter(|point| time(point) <= 0.5)
+        .filter(|point| time(point) <= 0.5 && error(point) <= NO_SAVING)
         .min_by(|a, b| a.error.max.total_cmp(&b.error.max));
     let goals = [("half the error of a frame", better), ("half the time of a frame", quicker)];
     let advice = |(goal, point): (&str, Option<&Point>)| {
