@@ -83,7 +83,11 @@ pub fn fold(row: &mut [(u32, f32)]) {
         if sum(row) <= before {
             return;
         }
-        row[at].1 = around(row[at].1.next_down())[0];
+        let lower = around(row[at].1.next_down())[0];
+        // A share stays one: what has nothing left to give keeps it.
+        if lower >= 0.0 || row[at].1 < 0.0 {
+            row[at].1 = lower;
+        }
     }
 }
 
@@ -155,6 +159,16 @@ mod tests {
             fold(&mut after);
             assert_eq!(after, again, "what is held stays");
         }
+    }
+
+    #[test]
+    fn shares_stay_shares() {
+        let mut row: Vec<(u32, f32)> = vec![(0, 0.0), (1, 1e-12), (2, 0.5), (3, 0.3)];
+        let before: f64 = row.iter().map(|entry| f64::from(entry.1)).sum();
+        fold(&mut row);
+        let after: f64 = row.iter().map(|entry| f64::from(entry.1)).sum();
+        assert!(row.iter().all(|entry| entry.1 >= 0.0), "{row:?}");
+        assert!(after <= before, "{before} {after}");
     }
 
     #[test]

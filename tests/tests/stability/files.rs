@@ -68,7 +68,7 @@ fn a_coin_on_a_ground_of_a_hundred_kilometres_is_baked_with_few_patches() {
     let ground = rectangle(Vec3::new(-0.5, 0.0, -0.5) * side, Vec3::Z * side, Vec3::X * side);
     let rim = |k: usize| {
         let (sin, cos) = (std::f32::consts::TAU * k as f32 / 12.0).sin_cos();
-        Vec3::new(0.005 * cos, 0.002, -0.005 * sin)
+        Vec3::new(0.005 * cos, 0.1, -0.005 * sin)
     };
     let coin = vec![(0..12).map(rim).collect()];
     let project = surfaces::project(&[("ground", ground), ("coin", coin)]);

@@ -62,7 +62,7 @@ pub fn diagram(stored: &Stored, budget: &Budget, watcher: &dyn Watcher) -> Resul
         about: "What do fewer bytes cost? The shipped bake's rows in other forms, of patches and of receivers, solved \
                 exactly, against the same rows as they are stored now. Rows keep their sums."
             .to_owned(),
-        x: Axis { label: "rows".to_owned(), unit: "bytes".to_owned() },
+        x: Axis { label: "rows".to_owned(), unit: "MB".to_owned() },
         y: super::bake_time::irradiance(),
         norm: Norm::Rms,
         series,
@@ -86,7 +86,7 @@ fn cuts(stored: &Stored, truth: &[f64], budget: &Budget, watcher: &dyn Watcher) 
         }
         let tolerance = in_rays * one_ray(transport);
         let cut = cut_rows(&transport.receiver_from_patch, transport, &lit.marked(), tolerance);
-        let x = (cut.bytes() + Kept::F32.bytes(&transport.patch_from_patch)) as f64;
+        let x = megabytes(cut.bytes() + Kept::F32.bytes(&transport.patch_from_patch));
         let shown = lit.blended(&cut.gather(transport, &columns), places);
         points.push(Point {
             setting: format!("{in_rays} rays"),
@@ -106,7 +106,7 @@ fn point(stored: &Stored, truth: &[f64], how: Kept) -> Point {
     let [patch_rows, receiver_rows] = [kept(patches, how), kept(receivers, how)];
     let b = radiosity(lit, &patch_rows, direct, exact);
     let irradiance = engine::transport::solve::gather(&receiver_rows, &lit.columns(&b));
-    let x = (how.bytes(&patch_rows) + how.bytes(&receiver_rows)) as f64;
+    let x = megabytes(how.bytes(&patch_rows) + how.bytes(&receiver_rows));
     Point {
         setting: how.name(),
         x,
@@ -117,6 +117,10 @@ fn point(stored: &Stored, truth: &[f64], how: Kept) -> Point {
     }
 }
 
+fn megabytes(bytes: usize) -> f64 {
+    bytes as f64 * 1e-6
+}
+
 /// The rows as the file has them: all others are compared with these.
 fn shipped(transport: &Transport) -> Point {
     let of_rows = |name: &str| {
@@ -125,7 +129,7 @@ fn shipped(transport: &Transport) -> Point {
     };
     let arrays = file::arrays(transport);
     let bytes = arrays.iter().filter(|(name, _)| of_rows(name)).map(|(_, bytes)| bytes.len()).sum::<usize>();
-    let (x, preset) = (bytes as f64, Some("shipped".to_owned()));
+    let (x, preset) = (megabytes(bytes), Some("shipped".to_owned()));
     Point { setting: "as stored".to_owned(), x, x_range: [x; 2], runs: 1, preset, ..Point::default() }
 }
 

@@ -22,6 +22,9 @@ pub struct Matrix<'a> {
     ends: Vec<usize>,
 }
 
+/// Of albedo.
+const NEXT_TO_NOTHING: f64 = 1e-9;
+
 impl<'a> Matrix<'a> {
     /// Albedo is clamped to [0, 1]; what is no number counts as 0.
     pub fn new(rows: &'a Rows, patches: &'a [Patch], albedo: impl IntoIterator<Item = f64>) -> Self {
@@ -72,9 +75,10 @@ impl<'a> Matrix<'a> {
         (0..self.len()).map(weight).collect()
     }
 
-    /// By patch its aggregate, none where nothing is reflected; and how many there are.
+    /// By patch its aggregate, none where next to nothing is reflected (one bounce is all there is of it, and 1 / albedo
+    /// beyond what f32 holds); and how many there are.
     pub(super) fn aggregates(&self) -> (Vec<u32>, usize) {
-        let of = |i: usize| if self.albedo[i] > 0.0 { self.patches[i].aggregate } else { NONE };
+        let of = |i: usize| if self.albedo[i] > NEXT_TO_NOTHING { self.patches[i].aggregate } else { NONE };
         let aggregates: Vec<u32> = (0..self.len()).map(of).collect();
         let count = aggregates.iter().filter(|&&a| a != NONE).map(|&a| a as usize + 1).max();
         (aggregates, count.unwrap_or(0))
