@@ -254,3 +254,20 @@ fn light_is_passed_on_so_often_as_is_said() {
     assert_eq!(products(&["--products", "5"]), serde_json::json!([5, 5, 5]));
     assert_eq!(products(&[])[2], 0, "what is solved is left alone");
 }
+
+#[test]
+fn a_scene_that_is_held_still_is_lit_as_if_there_were_nothing_that_moves() {
+    if !can_draw() {
+        return;
+    }
+    let lit = |scene: &Scene, args: &[&str]| {
+        let folder = project(scene, Some(&floor()));
+        let file = folder.path().join("light.csv");
+        let own = ["--frames", "3", "--size", "32x32", "--light", file.to_str().unwrap()];
+        plays(folder.path(), &[&own[..], args].concat());
+        light_of(&file).into_iter().find(|row| row.0 == "exitance").unwrap().2
+    };
+    let alone = lit(&without_cube(), &[]);
+    assert_ne!(lit(&scene(), &[]), alone, "the cube stands in the lamp's way");
+    assert_eq!(lit(&scene(), &["--still"]), alone);
+}

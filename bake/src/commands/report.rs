@@ -45,7 +45,8 @@ fn text(report: &Report, told: &Told) -> String {
     }
     for preset in told.presets.iter().filter(|preset| !preset.on_front) {
         let (name, diagram) = (&preset.preset, &preset.diagram);
-        lines.push(format!("{name} is off the front of {diagram} by {:.2} in error", preset.error_factor));
+        let off = preset.error_factor.min(preset.x_factor);
+        lines.push(format!("{name} is off the front of {diagram} by a factor of {off:.2}"));
     }
     lines.extend(report.notes.iter().map(|note| format!("note: {note}")));
     lines.push(format!("{:.0} s of {:.0} s", report.seconds, report.budget));

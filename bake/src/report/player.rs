@@ -118,9 +118,10 @@ struct Run<'a> {
 type Said<T> = Result<Result<T, String>, BakeError>;
 
 impl Run<'_> {
-    /// The light of the scene as it is at the start, and what it was solved with.
+    /// The light of the scene as it is at the start, without what moves (the reference knows static surfaces alone), and
+    /// what it was solved with.
     fn solved(&self, budget: &Budget) -> Said<Played> {
-        let args = ["--stats", "stats.json", "--light", "light.csv", "--size", SMALL];
+        let args = ["--still", "--stats", "stats.json", "--light", "light.csv", "--size", SMALL];
         Ok(self.still(&args, budget)?.and_then(|()| {
             let said = self.statistics()?;
             Ok(Played {
@@ -156,7 +157,7 @@ impl Run<'_> {
 
     fn swept(&self, products: u32, budget: &Budget) -> Said<Swept> {
         let (count, frames) = (products.to_string(), TIMED_FRAMES.to_string());
-        let args = ["--products", &count, "--size", SMALL, "--fixed-dt", "0"];
+        let args = ["--products", &count, "--size", SMALL, "--fixed-dt", "0", "--still"];
         let once = ["--frames", "1", "--light", "light.csv"];
         let light = match self.run(&[&args[..], &once[..]].concat(), budget)?.and_then(|()| self.light()) {
             Ok(light) => light,

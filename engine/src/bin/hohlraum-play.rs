@@ -61,6 +61,9 @@ struct Args {
     /// Plays a bake whose certificate does not hold.
     #[arg(long)]
     force: bool,
+    /// Without all that moves: static surfaces under lights that stay.
+    #[arg(long)]
+    still: bool,
 }
 
 fn main() -> ExitCode {
@@ -82,6 +85,7 @@ fn main() -> ExitCode {
         vsync: args.vsync,
         overlay: args.overlay,
         force: args.force,
+        still: args.still,
     };
     match play::run(&options) {
         Ok(()) => ExitCode::SUCCESS,

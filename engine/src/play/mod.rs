@@ -52,6 +52,8 @@ pub struct Options {
     pub overlay: bool,
     /// Plays a bake whose certificate does not hold.
     pub force: bool,
+    /// Without all that moves.
+    pub still: bool,
 }
 
 impl Options {
@@ -73,6 +75,7 @@ impl Options {
             vsync: true,
             overlay: false,
             force: false,
+            still: false,
         }
     }
 }
@@ -99,9 +102,12 @@ impl From<GpuError> for PlayError {
 
 /// Plays until the window is closed or all frames are drawn. What stops nothing is said on stderr.
 pub fn run(options: &Options) -> Result<(), PlayError> {
-    let (world, warnings) = World::load(&options.project, options.scene.as_deref(), options.force)?;
+    let (mut world, warnings) = World::load(&options.project, options.scene.as_deref(), options.force)?;
     for warning in warnings {
         eprintln!("warning: {warning}");
+    }
+    if options.still {
+        world.hold_still();
     }
     if options.headless { headless::run(options, world) } else { window::run(options, world) }
 }

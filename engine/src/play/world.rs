@@ -80,6 +80,16 @@ impl World {
         Ok((world, warnings))
     }
 
+    /// As a path tracer sees it that knows static surfaces alone: nothing moves or switches, and what could move is gone.
+    pub fn hold_still(&mut self) {
+        for entity in &mut self.scene.entities {
+            entity.motion = None;
+            entity.mesh = entity.mesh.take().filter(|_| entity.is_static);
+            entity.light.iter_mut().for_each(|light| light.switching = None);
+        }
+        self.left_out.push("all that moves: asked for by --still".to_owned());
+    }
+
     /// After the first frame: which reflection probes show nothing.
     pub fn tell_misplaced(&self, renderer: &Renderer) {
         for (entity, message) in renderer.misplaced_probes() {
