@@ -391,7 +391,8 @@ fn keep_lack(row: &mut Vec<(u32, f32)>, own: u32, target: f64) {
         at
     });
     // Not quite all: added up again, the row may come out higher by what sums are rounded by.
-    row[at].1 = below(f64::from(row[at].1) + lack * (1.0 - 1e-3));
+    // A little of what floats round off is left, so that the sum does not pass its target; of what is more, no more.
+    row[at].1 = below(f64::from(row[at].1) + lack - 1e-3 * lack.min(1e-8));
 }
 
 /// The largest float that is not above.
