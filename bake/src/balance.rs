@@ -419,6 +419,17 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_row_keeps_what_it_lacks_however_much_it_is() {
+        for lack in [1e-3, 1e-5, 1e-8, 1e-9] {
+            let mut row: Vec<(u32, f32)> = (0..1000).map(|j| (j, (1e-3 * (1.0 - lack)) as f32)).collect();
+            keep_lack(&mut row, 500, 1.0);
+            cap(&mut row, 1.0);
+            let left = 1.0 - row.iter().map(|entry| f64::from(entry.1)).sum::<f64>();
+            assert!((0.0..=1e-9).contains(&left), "{lack}: {left}");
+        }
+    }
+
+    #[test]
     fn a_row_is_capped_from_above_and_hardly() {
         let mut row: Vec<(u32, f32)> = (0..1000).map(|j| (j, 1.0 / 999.9995)).collect();
         cap(&mut row, 1.0);

@@ -7,6 +7,7 @@ use std::time::Duration;
 use glam::{DVec2, DVec3, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 
 use crate::chart::{Chart, Charts, Frame};
@@ -68,31 +69,19 @@ fn touching(surface: &Surface, charts: &Charts, size: &impl Fn(u32) -> f64) -> H
         })
         .collect();
     let mut pairs: HashMap<u32, HashSet<u32>> = HashMap::new();
-    if boxes.is_empty() {
-        return HashMap::new();
-    }
-    let tree = build_bvh2(&boxes, BvhBuildParams::fast_build(), &mut Duration::default());
+    let boxes = Boxes::new(boxes);
     for (id, chart) in charts.charts.iter().enumerate() {
         let size = size(id as u32);
         if chart.area < size * size {
             continue;
         }
         for &t in &chart.triangles {
-            let mut reach = boxes[t as usize];
-            let margin = Vec3A::splat(contact(size) as f32 * 2.0);
-            reach.min -= margin;
-            reach.max += margin;
-            tree.aabb_traverse(reach, |tree, node| {
-                let node = &tree.nodes[node as usize];
-                let first = node.first_index as usize;
-                for &other in &tree.primitive_indices[first..first + node.prim_count as usize] {
-                    let other_chart = charts.chart_of[other as usize];
-                    if other_chart != id as u32 && boxes[other as usize].intersect_aabb(&reach) {
-                        pairs.entry(id as u32).or_default().insert(other);
-                        pairs.entry(other_chart).or_default().insert(t);
-                    }
+            boxes.meeting(t, 2.0 * contact(size), |other| {
+                let other_chart = charts.chart_of[other as usize];
+                if other_chart != id as u32 {
+                    pairs.entry(id as u32).or_default().insert(other);
+                    pairs.entry(other_chart).or_default().insert(t);
                 }
-                true
             });
         }
     }
@@ -102,6 +91,36 @@ fn touching(surface: &Surface, charts: &Charts, size: &impl Fn(u32) -> f64) -> H
         sorted
     };
     pairs.into_iter().map(|(id, set)| (id, sorted(set))).collect()
+}
+
+/// Boxes, and a tree over them.
+pub struct Boxes {
+    boxes: Vec<Aabb>,
+    tree: Option<Bvh2>,
+}
+
+impl Boxes {
+    pub fn new(boxes: Vec<Aabb>) -> Self {
+        let build = || build_bvh2(&boxes, BvhBuildParams::fast_build(), &mut Duration::default());
+        let tree = (!boxes.is_empty()).then(build);
+        Self { boxes, tree }
+    }
+
+    /// Those that meet one of them, grown by a margin; itself among them.
+    pub fn meeting(&self, of: u32, margin: f64, mut each: impl FnMut(u32)) {
+        let Some(tree) = &self.tree else { return };
+        let mut reach = self.boxes[of as usize];
+        let margin = Vec3A::splat(margin as f32);
+        reach.min -= margin;
+        reach.max += margin;
+        tree.aabb_traverse(reach, |tree, node| {
+            let node = &tree.nodes[node as usize];
+            let first = node.first_index as usize;
+            let held = &tree.primitive_indices[first..first + node.prim_count as usize];
+            held.iter().filter(|&&k| self.boxes[k as usize].intersect_aabb(&reach)).for_each(|&k| each(k));
+            true
+        });
+    }
 }
 
 /// Where a triangle meets a plane: a segment, its sides where it lies in the plane, or nothing.

@@ -7,11 +7,10 @@
 use std::collections::HashMap;
 
 use glam::{DVec2, DVec3};
-use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
-use obvhs::bvh2::builder::build_bvh2;
 
 use crate::chart::{Chart, Charts, Frame};
+use crate::cut::Boxes;
 use crate::surface::Surface;
 
 /// Of the length of the pieces that charts are divided into, which is half a patch's.
@@ -24,27 +23,13 @@ pub fn near(surface: &Surface, charts: &Charts, size: &impl Fn(u32) -> f64) -> H
     let large: Vec<u32> = (0..charts.charts.len() as u32)
         .filter(|&id| charts.charts[id as usize].area >= size(id) * size(id))
         .collect();
-    let boxes: Vec<Aabb> = large.iter().map(|&id| bounds(surface, &charts.charts[id as usize])).collect();
+    let boxes = Boxes::new(large.iter().map(|&id| bounds(surface, &charts.charts[id as usize])).collect());
     let mut near: HashMap<u32, Vec<u32>> = HashMap::new();
-    if boxes.is_empty() {
-        return near;
-    }
-    let tree = build_bvh2(&boxes, BvhBuildParams::fast_build(), &mut std::time::Duration::default());
-    for (&id, own) in large.iter().zip(&boxes) {
-        let margin = glam::Vec3A::splat((NEAR * size(id)) as f32);
-        let mut reach = *own;
-        reach.min -= margin;
-        reach.max += margin;
-        tree.aabb_traverse(reach, |tree, node| {
-            let node = &tree.nodes[node as usize];
-            let first = node.first_index as usize;
-            for &k in &tree.primitive_indices[first..first + node.prim_count as usize] {
-                let other = large[k as usize];
-                if other != id && boxes[k as usize].intersect_aabb(&reach) {
-                    near.entry(id).or_default().push(other);
-                }
+    for (k, &id) in (0..).zip(&large) {
+        boxes.meeting(k, NEAR * size(id), |other| {
+            if other != k {
+                near.entry(id).or_default().push(large[other as usize]);
             }
-            true
         });
     }
     near.values_mut().for_each(|others| others.sort_unstable());

@@ -86,7 +86,7 @@ pub fn make(
     transport.depths = depths(&tracer, &transport, surface.unit);
 
     // Closed forms for pairs with nothing between them ([`crate::form_factors`]) would make the matrix several times as
-    // right, and no irradiance better: the error of chance is averaged away. They cost two fifths of a bake.
+    // right, and no irradiance better: the error of chance is averaged away. They cost a fifth to two fifths of a bake.
     let known = vec![Vec::new(); rays.patch_areas.len()];
 
     watcher.stage("balance", 1);

@@ -6,8 +6,9 @@ use engine::transport::key::BakeWith;
 use crate::{BakeError, Settings};
 
 /// Patches that a quality aims at; the patch length follows from the scene's area. Together with the rays below they are
-/// measured points on the front of error against bake time (`hohlraum-bake report`): errors of patches fall with their
-/// length, those of rays are averaged away by the receivers, so that rays are worth less than patches.
+/// measured points near the front of error against bake time (`hohlraum-bake report`): errors of patches fall with their
+/// length, those of rays are averaged away by the receivers, so that rays are worth less than patches. The front alone
+/// would have half as many rays; walls then look blotched where a small bright patch of sun lights a room.
 fn patches(quality: Quality) -> f64 {
     match quality {
         Quality::Draft => 1000.0,
@@ -18,8 +19,8 @@ fn patches(quality: Quality) -> f64 {
 
 fn rays(quality: Quality) -> u32 {
     match quality {
-        Quality::Draft => 256,
-        Quality::Standard => 512,
+        Quality::Draft => 512,
+        Quality::Standard => 1024,
         Quality::Fine => 2048,
     }
 }

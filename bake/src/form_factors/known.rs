@@ -31,9 +31,6 @@ pub struct Known {
     pub freedom: f32,
 }
 
-/// A bake looks at pairs that rays would hit at least so often: few, and most of the matrix's norm. All others
-/// would double its time and hardly change what is seen.
-pub const LEAST_HITS: f64 = 8.0;
 /// Shadow rays for each hit that the pair is worth, and their limits.
 const SHADOW_RAYS: f64 = 4.0;
 const FEWEST: u32 = 8;

@@ -3,9 +3,9 @@
 //! ```text
 //! F_ij = 1/A_i Int_i Int_j V cos_i cos_j / (pi r^2)       A_i F_ij = A_j F_ji       Sum_j F_ij + lost_i = 1
 //! ```
-//! The bake's own way to it: rays that count what they hit ([`crate::rays`]), what is known in closed form in their
-//! place ([`known`]), both directions pooled and balanced ([`crate::balance`]). Here it is for plain triangles, each a
-//! patch of its own, beside the slow plain twin that has none of it.
+//! The bake's rays that count what they hit ([`crate::rays`]), both directions pooled and balanced ([`crate::balance`]),
+//! and, what a bake leaves out, closed forms in the place of chance where they are known ([`known`]). Here it is for plain
+//! triangles, each a patch of its own, beside the slow plain twin that has none of it.
 
 mod facet;
 pub mod known;
