@@ -289,6 +289,24 @@ fn the_correction_never_adds_to_the_energy_of_the_error_however_poor_the_aggrega
 }
 
 #[test]
+fn deflation_stays_what_it_is_over_hundreds_of_steps_at_a_gain_of_ten_thousand() {
+    let mut rooms = (1..12).fold(SMALL_BOX.clone(), |rooms, _| apart(&rooms, &SMALL_BOX));
+    rooms.patches.iter_mut().enumerate().for_each(|(i, patch)| patch.aggregate = (i * i) as u32 % 7);
+    // Slow light in each room, of which aggregates across rooms know little.
+    let channel = rooms.channel(|patch| 1.0 - 1e-4 * f64::from(1 + patch.component % 12));
+    let e: Vec<f64> = (0..channel.matrix.len()).map(|i| (i % 11) as f64).collect();
+    let plain = silently(Method::ConjugateGradients, &channel, &e, None, &Stop::at(1e-9, 1000.0));
+    assert!(plain.reached, "{}", plain.bracket.bound);
+    let mut far = Vec::new();
+    let deflated = Method::DeflatedConjugateGradients;
+    solve(deflated, &channel, &e, None, &Stop::at(0.0, 600.0), &mut |iterate| {
+        far.push(distance(iterate.b, &plain.b) / largest(&plain.b));
+    });
+    let arrived = far.iter().position(|&far| far < 1e-7).expect("it arrives");
+    assert!(far[arrived..].iter().all(|&far| far < 1e-7), "and stays: {far:?}");
+}
+
+#[test]
 fn at_albedo_0_9999_light_is_bounded_and_finite_whenever_it_is_looked_at() {
     for geometry in [&*BOX, &*CORRIDOR] {
         let channel = geometry.channel(|_| 0.9999);

@@ -55,11 +55,14 @@ impl Iteration for ConjugateGradients<'_> {
         if let (None, Some(deflation)) = (self.before, &mut self.deflation) {
             deflation.correct(b, r);
         }
-        let now = self.inner(r, r);
+        let mut now = self.inner(r, r);
+        if let Some(deflation) = &mut self.deflation {
+            now += deflation.complement(r);
+        }
         let beta = self.before.map_or(0.0, |before| now / before);
         self.direction.iter_mut().zip(&*r).for_each(|(p, r)| *p = r + beta * *p);
-        if let Some(deflation) = &mut self.deflation {
-            deflation.conjugate(r, &mut self.direction);
+        if let Some(deflation) = &self.deflation {
+            deflation.add(&mut self.direction);
         }
         self.matrix.apply(&self.direction, &mut self.image);
         let curvature = self.inner(&self.direction, &self.image);

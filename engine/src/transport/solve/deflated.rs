@@ -3,14 +3,18 @@
 //! ```text
 //! W: column a is rho on aggregate a, 0 elsewhere      Q = (I - R P) W      G = W^T D Q      D = A / R
 //! at a start:  c = G^-1 W^T D r,  B <- B + W c,  r <- r - Q c             so that W^T D r = 0, and stays 0
-//! each step:   p <- p - W G^-1 Q^T D r                                     p is conjugate to all of W
+//! each step:   z = r + W G^-1 (W - Q)^T D r,  p <- z + beta p             p is conjugate to all of W
 //! ```
+//! W^T D r is 0 but for rounding, which G^-1 multiplies by the gain: without that term what rounding brings into W
+//! grows from step to step (at a gain of 1e4 until nothing is left of the solution), with it each step takes it out.
+//!
 //! Irradiance, not radiosity, is what is about even in a room: the error of B is R P times what it was before, so its
 //! shape is albedo times something smooth, and a black wall has none.
 //!
 //! The slow part of the error (eigenvalues near 1: light that wanders from room to room) lies in W; the rest falls by
 //! 0.15 .. 0.4 a product however large w is. Q is made in one pass over the rows and counts as no product; a step adds
-//! n m to its product's n K. Source: Nicolaides (1987); in this form Saad, Yeung, Erhel, Guyomarc'h (2000).
+//! n m to its product's n K. Source: Nicolaides (1987); in this form Saad, Yeung, Erhel, Guyomarc'h (2000);
+//! the term that keeps it stable: Tang, Nabben, Vuik, Erlangga (2009), A-DEF2.
 
 use rayon::prelude::*;
 
@@ -30,6 +34,8 @@ pub(super) struct Deflation {
     /// G^-1.
     inverse: Vec<f64>,
     sums: Vec<f64>,
+    /// W^T D r.
+    held: Vec<f64>,
     c: Vec<f64>,
 }
 
@@ -49,6 +55,7 @@ impl Deflation {
             albedo: matrix.albedo.clone(),
             inverse: inverse(galerkin, m),
             sums: vec![0.0; m],
+            held: vec![0.0; m],
             c: vec![0.0; m],
             aggregates,
             restricts,
@@ -64,27 +71,33 @@ impl Deflation {
             self.sums[a as usize] += self.restricts[i] * r[i];
         }
         times(&self.inverse, &self.sums, &mut self.c);
-        self.add(1.0, b);
+        self.add(b);
         for (r, q) in r.iter_mut().zip(self.q.chunks_exact(self.c.len().max(1))) {
             *r -= dot(q, &self.c);
         }
     }
 
-    /// Makes p = r + .. conjugate to W.
-    pub fn conjugate(&mut self, r: &[f64], p: &mut [f64]) {
+    /// c of z = r + W c; returns <r, W c>.
+    pub fn complement(&mut self, r: &[f64]) -> f64 {
+        let m = self.c.len();
         self.sums.fill(0.0);
-        for ((r, d), q) in r.iter().zip(&self.weights).zip(self.q.chunks_exact(self.c.len().max(1))) {
-            let r = r * d;
-            self.sums.iter_mut().zip(q).for_each(|(sum, q)| *sum += r * q);
+        self.held.fill(0.0);
+        for i in 0..r.len() {
+            let weighted = r[i] * self.weights[i];
+            self.sums.iter_mut().zip(&self.q[i * m..][..m]).for_each(|(sum, q)| *sum -= weighted * q);
+            if self.aggregates[i] != NONE {
+                self.held[self.aggregates[i] as usize] += self.restricts[i] * r[i];
+            }
         }
+        self.sums.iter_mut().zip(&self.held).for_each(|(sum, held)| *sum += held);
         times(&self.inverse, &self.sums, &mut self.c);
-        self.add(-1.0, p);
+        dot(&self.c, &self.held)
     }
 
-    /// x + sign W c.
-    fn add(&self, sign: f64, x: &mut [f64]) {
+    /// x + W c.
+    pub fn add(&self, x: &mut [f64]) {
         for (i, &a) in self.aggregates.iter().enumerate().filter(|(_, a)| **a != NONE) {
-            x[i] += sign * self.albedo[i] * self.c[a as usize];
+            x[i] += self.albedo[i] * self.c[a as usize];
         }
     }
 }

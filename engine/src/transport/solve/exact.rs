@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 
-use super::iterate::{Run, prepare};
+use super::iterate::{Ended, Run, prepare};
 use super::matrix::{Matrix, largest};
 use super::{Method, System};
 
@@ -33,22 +33,26 @@ fn is_same(system: &System, e: &[DVec3], a: usize, b: usize) -> bool {
     system.albedo.iter().all(|albedo| albedo[a] == albedo[b]) && e.iter().all(|e| e[a] == e[b])
 }
 
-/// Until max |r| <= tolerance max |E|, or as near as it comes. Where rows are not symmetric enough for conjugate
-/// gradients, which no bake leaves, two-level Jacobi goes on: it needs no symmetry.
+/// Until max |r| <= tolerance max |E|, or as near as it comes: what one method does not reach, the next goes on with.
+/// Rows that are not symmetric enough for conjugate gradients, which no bake leaves, are left to two-level Jacobi: it
+/// needs no symmetry.
 pub(super) fn approach(matrix: &Matrix, method: Method, e: &[f64], tolerance: f64) -> Vec<f64> {
     const MOST: f64 = 1000.0;
     let finite: Vec<f64> = e.iter().map(|&e| if e.is_finite() { e } else { 0.0 }).collect();
     let enough = tolerance * largest(&finite);
     let near = |r: &[f64], _: &[f64]| largest(r) <= enough;
     let run = Run { near: &near, products: MOST, cancelled: &|| false };
-    let go_on = |method: Method, start: Option<&[f64]>| {
+    let mut nearest: Option<Ended> = None;
+    for method in [method, Method::ConjugateGradients, Method::TwoLevel] {
         let mut iteration = prepare(method, matrix, 1.0, &finite);
-        run.from(iteration.as_mut(), matrix, &finite, start, &mut |_| {})
-    };
-    let first = go_on(method, None);
-    if near(&first.r, &first.b) {
-        return first.b;
+        let start = nearest.as_ref().map(|nearest| nearest.b.as_slice());
+        let ended = run.from(iteration.as_mut(), matrix, &finite, start, &mut |_| {});
+        if nearest.as_ref().is_none_or(|nearest| largest(&ended.r) < largest(&nearest.r)) {
+            nearest = Some(ended);
+        }
+        if nearest.as_ref().is_some_and(|nearest| largest(&nearest.r) <= enough) {
+            break;
+        }
     }
-    let second = go_on(Method::TwoLevel, Some(&first.b));
-    if largest(&second.r) < largest(&first.r) { second.b } else { first.b }
+    nearest.map_or(finite, |nearest| nearest.b)
 }
