@@ -7,7 +7,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
-/// Opens a project: bakes it where that is needed, then plays it
+/// Opens a project in the editor; where there is no display, bakes it where that is needed and plays it into files
 #[derive(Debug, Parser)]
 #[command(name = "hohlraum", version)]
 struct Arguments {

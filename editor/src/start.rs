@@ -1,27 +1,41 @@
-//! From a project on disk to a picture: bake what is not baked, then play.
+//! From a project on disk to the editor's window; where there is no display, to pictures: bake what is not baked, then
+//! play.
 
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use bake::progress::Bar;
 use bake::{Baked, Settings};
-use engine::play::{self, Options, PlayError};
+use editor::app;
+use editor::opened::Opened;
+use engine::play::{self, Options};
 
 /// Where it lies in this workspace.
 const SAMPLE: &str = "projects/cornell";
 
 pub fn run(project: Option<PathBuf>) -> Result<()> {
     let project = project.map_or_else(sample, Ok)?;
+    if has_display() {
+        match edit(&project) {
+            Err(NoWindow(why)) => eprintln!("no window ({why}): playing without one"),
+            Ok(edited) => return edited,
+        }
+    }
     let baked = bake_where_needed(&project)?;
     println!("bake:       {}", baked.file.display());
     println!("            its certificate: `hohlraum-bake check {}`", project.display());
-    if has_display() {
-        match play::run(&Options::new(&project)) {
-            Err(PlayError::Window(why)) => eprintln!("no window ({why}): playing without one"),
-            played => return Ok(played?),
-        }
-    }
     play_into_files(&project)
+}
+
+/// Why the editor cannot be shown.
+struct NoWindow(String);
+
+fn edit(project: &Path) -> Result<Result<()>, NoWindow> {
+    let opened = match Opened::load(project, None) {
+        Ok(opened) => opened,
+        Err(error) => return Ok(Err(error.into())),
+    };
+    app::run(opened).map(Ok).map_err(|error| NoWindow(error.to_string()))
 }
 
 /// Nothing is traced where the bake on disk is current.

@@ -46,15 +46,31 @@ impl Gpu {
     pub fn from_adapter(adapter: wgpu::Adapter) -> Result<Self, GpuError> {
         let info = adapter.get_info();
         can_draw(&adapter, &info)?;
-        let limits = adapter.limits();
-        let descriptor = wgpu::DeviceDescriptor {
-            label: Some("hohlraum"),
-            required_features: adapter.features() & WANTED,
-            required_limits: limits.clone(),
-            ..Default::default()
-        };
+        let descriptor = Self::descriptor(&adapter);
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
             .map_err(|error| GpuError::NoDevice { adapter: info.name.clone(), message: error.to_string() })?;
+        Self::from_device(adapter, device, queue)
+    }
+
+    /// What a device has to be made with to draw scenes.
+    pub fn descriptor(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
+        wgpu::DeviceDescriptor {
+            label: Some("hohlraum"),
+            required_features: adapter.features() & WANTED,
+            required_limits: adapter.limits(),
+            ..Default::default()
+        }
+    }
+
+    /// A device that somebody else made of [`Self::descriptor`] and draws with too.
+    pub fn from_device(
+        adapter: wgpu::Adapter,
+        device: wgpu::Device,
+        queue: wgpu::Queue,
+    ) -> Result<Self, GpuError> {
+        let info = adapter.get_info();
+        can_draw(&adapter, &info)?;
+        let limits = device.limits();
         let said = listen(&device);
         let page_bytes = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         let software = info.device_type == wgpu::DeviceType::Cpu;

@@ -23,8 +23,10 @@ use super::lines::Lines;
 use super::materials::Materials;
 use super::meshes::{Meshes, StillBuffers};
 use super::objects::Objects;
+use super::outline::Outline;
 use super::overlay::Overlay;
 use super::patches::Patches;
+use super::picking::Picking;
 use super::pictures::Pictures;
 use super::probes::{self, Probes};
 use super::reflections::{Reflections, Seen};
@@ -147,6 +149,10 @@ pub struct Renderer {
     pub(super) patches: Patches,
     pub(super) probes: Probes,
     pub(super) tetrahedra: Lines,
+    /// Over the scene, for who edits it.
+    pub(super) guides: Lines,
+    pub(super) picking: Picking,
+    pub(super) outline: Outline,
     pub(super) sky: SkyPass,
     pub(super) exposure: Exposure,
     pub(super) tonemap: Tonemap,
@@ -219,6 +225,9 @@ impl Renderer {
             patches: Patches::new(gpu_ref, library, frame_layout)?,
             probes: Probes::new(gpu_ref, library, frame_layout, &spaces)?,
             tetrahedra: Lines::new(gpu_ref, library, frame_layout)?,
+            guides: Lines::new(gpu_ref, library, frame_layout)?,
+            picking: Picking::new(gpu_ref, library, frame_layout)?,
+            outline: Outline::new(gpu_ref, library, frame_layout)?,
             sky: SkyPass::new(gpu_ref, library, frame_layout, &pictures)?,
             exposure: Exposure::new(gpu_ref, library, frame_layout)?,
             tonemap: Tonemap::new(gpu_ref, library, frame_layout)?,
@@ -323,6 +332,7 @@ impl Renderer {
         let mut draws = self.expose(gpu, encoder, now, size);
         let Some(target) = &self.target else { return draws };
         self.tonemap.draw(gpu, encoder, &mut self.timer, &self.frame_group, target, display);
+        draws += self.draw_outline(gpu, encoder, now.scene, display);
         draws += 1 + self.overlay.draw(gpu, encoder, Some(&mut self.timer), display);
         draws
     }
@@ -394,6 +404,7 @@ impl Renderer {
             self.tetrahedra.set(gpu, &probes::tetrahedra(probes.0, probes.1));
             draws += self.tetrahedra.draw(gpu, &mut pass, &self.frame_group, self.samples);
         }
+        draws += self.guides.draw(gpu, &mut pass, &self.frame_group, self.samples);
         draws
     }
 

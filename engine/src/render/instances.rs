@@ -66,6 +66,8 @@ pub struct Instances {
     index_of: HashMap<EntityId, usize>,
     /// Static entities that the bake lights.
     baked: HashSet<EntityId>,
+    /// Those of them that are elsewhere now, or of another shape: drawn as if they were in no bake.
+    pub displaced: HashSet<EntityId>,
     /// Sphere about each batch of the baked surface.
     batches: Vec<(Vec3, f32)>,
 }
@@ -89,6 +91,7 @@ impl Instances {
             placed: Vec::new(),
             index_of: HashMap::new(),
             baked: surface.batches.iter().map(Batch::entity).collect(),
+            displaced: HashSet::new(),
             batches,
         }
     }
@@ -138,8 +141,9 @@ impl Instances {
     fn place_batches(&mut self, now: &Now<'_>, transport: &Transport, materials: &Materials) {
         for (batch, &(centre, radius)) in transport.surface.batches.iter().zip(&self.batches) {
             let entity = self.index_of.get(&batch.entity()).copied();
-            let placed =
-                entity.filter(|&entity| now.scene.entities[entity].is_static && !self.hidden[entity]);
+            let stays = !self.displaced.contains(&batch.entity());
+            let placed = entity
+                .filter(|&entity| stays && now.scene.entities[entity].is_static && !self.hidden[entity]);
             let renderer = placed.and_then(|entity| now.scene.entities[entity].mesh.as_ref());
             let shown = renderer.is_some();
             let material = materials.index(MaterialId(batch.material));
@@ -171,7 +175,8 @@ impl Instances {
     ) {
         let entity = &now.scene.entities[index];
         // What is static, but not in the bake, is drawn as if it moved.
-        let is_baked = entity.is_static && self.baked.contains(&entity.id);
+        let is_baked =
+            entity.is_static && self.baked.contains(&entity.id) && !self.displaced.contains(&entity.id);
         let Some(renderer) = entity.mesh.as_ref().filter(|_| !is_baked && !self.hidden[index]) else {
             return;
         };

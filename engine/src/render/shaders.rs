@@ -21,9 +21,9 @@ pub const IMPORTED: [Source; 10] = [
 ];
 
 /// One file a pass.
-pub const PASSES: [Source; 19] = [
+pub const PASSES: [Source; 21] = [
     SHADOW, UNIT, DIRECT, BOUNCE, COARSE, GATHER, MEAN, DERING, OBJECTS, PREFILTER, SURFACE, PATCHES, PROBES,
-    LINES, SKY, EXPOSURE, TONEMAP, OVERLAY, MIPMAP,
+    LINES, SKY, EXPOSURE, TONEMAP, OVERLAY, MIPMAP, PICKING, OUTLINE,
 ];
 
 pub const SHADOW: Source = Source { name: "shadow", text: include_str!("../../../shaders/shadow.wgsl") };
@@ -55,6 +55,9 @@ pub const EXPOSURE: Source =
 pub const TONEMAP: Source = Source { name: "tonemap", text: include_str!("../../../shaders/tonemap.wgsl") };
 pub const OVERLAY: Source = Source { name: "overlay", text: include_str!("../../../shaders/overlay.wgsl") };
 pub const MIPMAP: Source = Source { name: "mipmap", text: include_str!("../../../shaders/mipmap.wgsl") };
+
+pub const PICKING: Source = Source { name: "picking", text: include_str!("../../../shaders/picking.wgsl") };
+pub const OUTLINE: Source = Source { name: "outline", text: include_str!("../../../shaders/outline.wgsl") };
 
 pub fn library() -> Result<Library, GpuError> {
     Library::new(&IMPORTED)

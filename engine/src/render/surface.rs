@@ -237,7 +237,7 @@ impl Surfaces {
     }
 }
 
-fn culled(draw: &Draw) -> Option<wgpu::Face> {
+pub fn culled(draw: &Draw) -> Option<wgpu::Face> {
     match (draw.double_sided, draw.mirrored) {
         (true, _) => None,
         (false, false) => Some(wgpu::Face::Back),

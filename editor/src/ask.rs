@@ -1,0 +1,50 @@
+//! What panels ask for. They are given the document to read; what they want done is collected here and done when all of
+//! them are drawn, so that every panel of a picture shows the same scene.
+
+use engine::scene::EntityId;
+
+use crate::edit::Edit;
+use crate::gizmo::Tool;
+use crate::selection::Selection;
+
+#[derive(Clone, Debug, PartialEq)]
+pub enum Ask {
+    /// As one step.
+    Commit(Edit),
+    /// Shown until the drag ends; each replaces the one before.
+    Preview(Edit),
+    /// The drag is over: what it shows becomes one step.
+    End,
+    /// The drag is off.
+    Cancel,
+    Select(Vec<EntityId>),
+    Selection(Selection),
+    /// The scene view goes there.
+    Frame(Vec<EntityId>),
+    Rename(EntityId),
+    Tool(Tool),
+    Play(PlayAsk),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PlayAsk {
+    Start,
+    Stop,
+    Pause(bool),
+    Step,
+}
+
+#[derive(Default)]
+pub struct Asks {
+    list: Vec<Ask>,
+}
+
+impl Asks {
+    pub fn push(&mut self, ask: Ask) {
+        self.list.push(ask);
+    }
+
+    pub fn take(&mut self) -> Vec<Ask> {
+        std::mem::take(&mut self.list)
+    }
+}

@@ -1,0 +1,147 @@
+//! Rows of the inspector: a name on the left with a tooltip, a widget on the right, all of one height and one edge.
+
+use eframe::egui;
+use egui::{CollapsingHeader, Color32, DragValue, Id, Response, RichText, Ui, vec2};
+
+use super::arithmetic::{self, Unit};
+use crate::theme;
+
+/// What came of a field: a new value, and whether the pull at it is over.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Touched<T> {
+    pub value: Option<T>,
+    /// More values will follow until it ends.
+    pub dragging: bool,
+    pub ended: bool,
+}
+
+/// How a number is shown and changed.
+#[derive(Clone, Copy, Debug)]
+pub struct Number {
+    pub unit: Unit,
+    /// A point of the mouse's way; relative to the value where `relative`.
+    pub speed: f64,
+    pub relative: bool,
+    pub least: f64,
+    pub most: f64,
+    pub decimals: usize,
+}
+
+impl Default for Number {
+    fn default() -> Self {
+        let (least, most) = (f64::NEG_INFINITY, f64::INFINITY);
+        Self { unit: Unit::None, speed: 0.01, relative: false, least, most, decimals: 3 }
+    }
+}
+
+impl Number {
+    /// 0 or more, pulled in shares of itself: intensities, ranges.
+    pub fn positive(unit: Unit) -> Self {
+        Self { unit, relative: true, least: 0.0, ..Self::default() }
+    }
+
+    pub fn share() -> Self {
+        Self { speed: 0.004, least: 0.0, most: 1.0, ..Self::default() }
+    }
+
+    pub fn metres() -> Self {
+        Self { unit: Unit::Metres, ..Self::default() }
+    }
+
+    pub fn degrees() -> Self {
+        Self { unit: Unit::Degrees, speed: 0.25, decimals: 2, ..Self::default() }
+    }
+
+    /// A field for a value; `None`: what is selected has different ones.
+    pub fn show(&self, ui: &mut Ui, name: &str, value: Option<f64>, width: f32) -> (Response, Touched<f64>) {
+        let mut new = value.unwrap_or(0.0);
+        let mixed = value.is_none();
+        let speed = if self.relative { (new.abs() * 0.01).max(0.002) } else { self.speed };
+        let unit = self.unit;
+        let decimals = self.decimals;
+        let field = DragValue::new(&mut new)
+            .speed(speed)
+            .range(self.least..=self.most)
+            .clamp_existing_to_range(false)
+            .update_while_editing(false)
+            .custom_formatter(move |value, _| if mixed { "\u{2014}".to_owned() } else { told(value, decimals, unit) })
+            .custom_parser(move |text| arithmetic::number(text, unit));
+        let response = ui.add_sized(vec2(width, theme::ROW - 2.0), field);
+        response.ctx.accesskit_node_builder(response.id, |node| node.set_label(name));
+        let dragging = response.dragged();
+        let touched = Touched {
+            value: response.changed().then_some(new),
+            dragging,
+            ended: response.drag_stopped(),
+        };
+        (response, touched)
+    }
+}
+
+/// Without zeros at the end.
+pub fn told(value: f64, decimals: usize, unit: Unit) -> String {
+    let text = format!("{value:.decimals$}");
+    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    let text = if text == "-0" { "0" } else { text };
+    format!("{text}{}", unit.suffix())
+}
+
+/// A name and what belongs to it.
+pub fn row<R>(ui: &mut Ui, name: &str, tooltip: &str, widget: impl FnOnce(&mut Ui) -> R) -> R {
+    ui.horizontal(|ui| {
+        ui.set_min_height(theme::ROW - 2.0);
+        let width = theme::NAMES.min(ui.available_width() * 0.45);
+        let (rect, response) = ui.allocate_exact_size(vec2(width, theme::ROW - 2.0), egui::Sense::hover());
+        let font = egui::TextStyle::Body.resolve(ui.style());
+        let color = ui.visuals().text_color();
+        let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
+        painter.text(rect.left_center(), egui::Align2::LEFT_CENTER, name, font, color);
+        response.on_hover_ui(|ui| {
+            ui.label(RichText::new(name).strong());
+            ui.label(tooltip);
+        });
+        widget(ui)
+    })
+    .inner
+}
+
+/// Three numbers side by side, x, y and z.
+pub fn vector(ui: &mut Ui, name: &str, number: &Number, values: [Option<f64>; 3]) -> [Touched<f64>; 3] {
+    let gap = 3.0;
+    let letter = 11.0;
+    let width = ((ui.available_width() - 2.0 * gap) / 3.0 - letter).max(24.0);
+    ui.spacing_mut().item_spacing.x = gap;
+    [0, 1, 2].map(|axis| {
+        ui.scope(|ui| {
+            ui.spacing_mut().item_spacing.x = 0.0;
+            let (rect, _) = ui.allocate_exact_size(vec2(letter, theme::ROW - 2.0), egui::Sense::hover());
+            let font = egui::FontId::proportional(11.0);
+            let letter = ["X", "Y", "Z"][axis];
+            ui.painter().text(rect.left_center(), egui::Align2::LEFT_CENTER, letter, font, axis_color(ui, axis));
+            number.show(ui, &format!("{name} {letter}"), values[axis], width).1
+        })
+        .inner
+    })
+}
+
+fn axis_color(ui: &Ui, axis: usize) -> Color32 {
+    let color = theme::AXES[axis];
+    if ui.visuals().dark_mode { color } else { color.lerp_to_gamma(Color32::BLACK, 0.3) }
+}
+
+/// A component with its fields, which can be folded.
+pub fn section(ui: &mut Ui, icon: crate::icons::Icon, name: &str, fields: impl FnOnce(&mut Ui)) {
+    let line = theme::line(ui.visuals());
+    let top = ui.available_rect_before_wrap().left_top();
+    ui.painter().hline(top.x..=top.x + ui.available_width(), top.y, egui::Stroke::new(1.0, line));
+    ui.add_space(4.0);
+    let _ = icon;
+    CollapsingHeader::new(RichText::new(name).strong())
+        .id_salt(Id::unique(("component", name)))
+        .default_open(true)
+        .show_unindented(ui, |ui| {
+            ui.spacing_mut().item_spacing.y = 3.0;
+            fields(ui);
+            ui.add_space(4.0);
+        });
+}

@@ -1,0 +1,175 @@
+//! One component of all that is selected: what they have in common, and edits that set it for all of them.
+
+use eframe::egui;
+use egui::{Checkbox, ComboBox, Ui};
+use engine::scene::{Entity, EntityId};
+use glam::DVec3;
+
+use super::fields::{self, Number, Touched};
+use crate::ask::{Ask, Asks};
+use crate::edit::{Edit, Field};
+
+type EditOf<K, C> = Box<dyn Fn(Vec<(K, C)>) -> Edit>;
+
+pub struct Subject<'a, K, C> {
+    items: Vec<(K, &'a C)>,
+    edit: EditOf<K, C>,
+    asks: &'a mut Asks,
+}
+
+impl<'a, C: Clone> Subject<'a, EntityId, C> {
+    /// A component of those entities that have it.
+    pub fn component(
+        entities: &[&'a Entity],
+        get: impl Fn(&'a Entity) -> Option<&'a C>,
+        field: impl Fn(C) -> Field + 'static,
+        asks: &'a mut Asks,
+    ) -> Self {
+        let items = entities.iter().filter_map(|entity| Some((entity.id, get(entity)?))).collect();
+        let edit = move |items: Vec<(EntityId, C)>| {
+            Edit::Set(items.into_iter().map(|(id, component)| (id, field(component))).collect())
+        };
+        Self { items, edit: Box::new(edit), asks }
+    }
+}
+
+impl<'a, K: Clone, C: Clone> Subject<'a, K, C> {
+    pub fn new(
+        items: Vec<(K, &'a C)>,
+        edit: impl Fn(Vec<(K, C)>) -> Edit + 'static,
+        asks: &'a mut Asks,
+    ) -> Self {
+        Self { items, edit: Box::new(edit), asks }
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.items.is_empty()
+    }
+
+    pub fn first(&self) -> Option<&'a C> {
+        self.items.first().map(|(_, component)| *component)
+    }
+
+    /// What all of them have; `None`: they differ.
+    pub fn shared<T: PartialEq>(&self, get: impl Fn(&C) -> T) -> Option<T> {
+        let mut values = self.items.iter().map(|(_, component)| get(component));
+        let first = values.next()?;
+        values.all(|value| value == first).then_some(first)
+    }
+
+    /// Sets it for all of them: at once, or until the pull at the field ends.
+    pub fn set<T: Clone>(&mut self, touched: &Touched<T>, set: impl Fn(&mut C, T)) {
+        if let Some(value) = &touched.value {
+            let changed = self.items.iter().map(|(key, component)| {
+                let mut new = (*component).clone();
+                set(&mut new, value.clone());
+                (key.clone(), new)
+            });
+            let edit = (self.edit)(changed.collect());
+            self.asks.push(if touched.dragging { Ask::Preview(edit) } else { Ask::Commit(edit) });
+        }
+        if touched.ended {
+            self.asks.push(Ask::End);
+        }
+    }
+
+    pub fn set_now<T: Clone>(&mut self, value: T, set: impl Fn(&mut C, T)) {
+        self.set(&Touched { value: Some(value), dragging: false, ended: false }, set);
+    }
+
+    pub fn number(
+        &mut self,
+        ui: &mut Ui,
+        (name, tooltip): (&str, &str),
+        number: &Number,
+        get: impl Fn(&C) -> f64,
+        set: impl Fn(&mut C, f64),
+    ) {
+        let value = self.shared(get);
+        let width = |ui: &Ui| ui.available_width();
+        let touched = fields::row(ui, name, tooltip, |ui| number.show(ui, name, value, width(ui)).1);
+        self.set(&touched, set);
+    }
+
+    pub fn vector(
+        &mut self,
+        ui: &mut Ui,
+        (name, tooltip): (&str, &str),
+        number: &Number,
+        get: impl Fn(&C) -> DVec3,
+        set: impl Fn(&mut C, usize, f64),
+    ) {
+        let values = [0, 1, 2].map(|axis| self.shared(|component| get(component)[axis]));
+        let touched = fields::row(ui, name, tooltip, |ui| fields::vector(ui, name, number, values));
+        for (axis, touched) in touched.iter().enumerate() {
+            self.set(touched, |component, value| set(component, axis, value));
+        }
+    }
+
+    /// A tick with its name behind it.
+    pub fn tick(
+        &mut self,
+        ui: &mut Ui,
+        (name, tooltip): (&str, &str),
+        get: impl Fn(&C) -> bool,
+        set: impl Fn(&mut C, bool),
+    ) {
+        let shared = self.shared(get);
+        let mut on = shared.unwrap_or(false);
+        let response = ui.add(Checkbox::new(&mut on, name).indeterminate(shared.is_none()));
+        if response.on_hover_text(tooltip).changed() {
+            self.set_now(on, set);
+        }
+    }
+
+    /// A tick in a row of its own.
+    pub fn toggle(
+        &mut self,
+        ui: &mut Ui,
+        (name, tooltip): (&str, &str),
+        get: impl Fn(&C) -> bool,
+        set: impl Fn(&mut C, bool),
+    ) {
+        let shared = self.shared(get);
+        let mut on = shared.unwrap_or(false);
+        let changed = fields::row(ui, name, tooltip, |ui| {
+            let response = ui.add(Checkbox::without_text(&mut on).indeterminate(shared.is_none()));
+            response.ctx.accesskit_node_builder(response.id, |node| node.set_label(name));
+            response.changed()
+        });
+        if changed {
+            self.set_now(on, set);
+        }
+    }
+
+    /// One of a few, by name.
+    pub fn choice<T: PartialEq + Clone>(
+        &mut self,
+        ui: &mut Ui,
+        (name, tooltip): (&str, &str),
+        choices: &[(T, &str)],
+        get: impl Fn(&C) -> T,
+        set: impl Fn(&mut C, T),
+    ) {
+        let shared = self.shared(get);
+        let said = |value: &T| choices.iter().find(|(choice, _)| choice == value).map_or("", |(_, name)| name);
+        let mut chosen = None;
+        fields::row(ui, name, tooltip, |ui| {
+            let shown = ComboBox::from_id_salt(name)
+                .selected_text(shared.as_ref().map_or("\u{2014}", said))
+                .width(ui.available_width() - 8.0)
+                .show_ui(ui, |ui| {
+                    for (choice, name) in choices {
+                        if ui.selectable_label(shared.as_ref() == Some(choice), *name).clicked() {
+                            chosen = Some(choice.clone());
+                        }
+                    }
+                });
+            let id = shown.response.id;
+            ui.ctx().accesskit_node_builder(id, |node| node.set_label(name));
+        });
+        if let Some(chosen) = chosen {
+            self.set_now(chosen, set);
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! Where panels are: docked, tabbed and split as the user likes.
+
+use eframe::egui;
+use egui::{Color32, Stroke, Style, Ui, Visuals, WidgetText};
+use egui_tiles::{Container, Linear, LinearDir, SimplificationOptions, TabState, Tile, TileId, Tiles, Tree, UiResponse};
+use serde::{Deserialize, Serialize};
+
+use crate::theme;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Pane {
+    Hierarchy,
+    Scene,
+    Game,
+    Inspector,
+    Console,
+    Statistics,
+}
+
+impl Pane {
+    pub const ALL: [Self; 6] =
+        [Self::Hierarchy, Self::Scene, Self::Game, Self::Inspector, Self::Console, Self::Statistics];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Hierarchy => "Hierarchy",
+            Self::Scene => "Scene",
+            Self::Game => "Game",
+            Self::Inspector => "Inspector",
+            Self::Console => "Console",
+            Self::Statistics => "Statistics",
+        }
+    }
+}
+
+pub type Layout = Tree<Pane>;
+
+/// Hierarchy left, inspector right, the pictures between them above console and statistics.
+pub fn default_layout() -> Layout {
+    let mut tiles = Tiles::default();
+    let mut tabs = |panes: &[Pane]| {
+        let panes = panes.iter().map(|pane| tiles.insert_pane(*pane)).collect();
+        tiles.insert_tab_tile(panes)
+    };
+    let left = tabs(&[Pane::Hierarchy]);
+    let pictures = tabs(&[Pane::Scene, Pane::Game]);
+    let below = tabs(&[Pane::Console, Pane::Statistics]);
+    let right = tabs(&[Pane::Inspector]);
+    let middle = split(&mut tiles, LinearDir::Vertical, &[(pictures, 0.77), (below, 0.23)]);
+    let root = split(&mut tiles, LinearDir::Horizontal, &[(left, 0.18), (middle, 0.585), (right, 0.235)]);
+    Tree::new(egui::Id::unique("layout"), root, tiles)
+}
+
+fn split(tiles: &mut Tiles<Pane>, dir: LinearDir, children: &[(TileId, f32)]) -> TileId {
+    let mut linear = Linear::new(dir, children.iter().map(|(id, _)| *id).collect());
+    children.iter().for_each(|(id, share)| linear.shares.set_share(*id, *share));
+    tiles.insert_container(Container::Linear(linear))
+}
+
+/// Shows a panel, wherever it is; one that was closed comes back as a tab beside the scene.
+pub fn reveal(layout: &mut Layout, pane: Pane) {
+    if layout.tiles.find_pane(&pane).is_none() {
+        let new = layout.tiles.insert_pane(pane);
+        let beside = layout.tiles.find_pane(&Pane::Scene).and_then(|scene| layout.tiles.parent_of(scene));
+        match beside.or(layout.root) {
+            Some(container) => layout.move_tile_to_container(new, container, usize::MAX, false),
+            None => *layout = Tree::new(egui::Id::unique("layout"), new, std::mem::take(&mut layout.tiles)),
+        }
+    }
+    layout.make_active(|_, tile| matches!(tile, Tile::Pane(other) if *other == pane));
+}
+
+pub fn is_open(layout: &Layout, pane: Pane) -> bool {
+    layout.tiles.find_pane(&pane).is_some()
+}
+
+pub fn close(layout: &mut Layout, pane: Pane) {
+    if let Some(tile) = layout.tiles.find_pane(&pane) {
+        layout.remove_recursively(tile);
+    }
+}
+
+/// Draws panels into their places.
+pub struct Docks<'a> {
+    pub show: &'a mut dyn FnMut(&mut Ui, Pane),
+}
+
+impl egui_tiles::Behavior<Pane> for Docks<'_> {
+    fn pane_ui(&mut self, ui: &mut Ui, _: TileId, pane: &mut Pane) -> UiResponse {
+        (self.show)(ui, *pane);
+        UiResponse::None
+    }
+
+    fn tab_title_for_pane(&mut self, pane: &Pane) -> WidgetText {
+        pane.name().into()
+    }
+
+    fn simplification_options(&self) -> SimplificationOptions {
+        SimplificationOptions { all_panes_must_have_tabs: true, ..Default::default() }
+    }
+
+    fn is_tab_closable(&self, _: &Tiles<Pane>, _: TileId) -> bool {
+        false
+    }
+
+    fn tab_bar_height(&self, _: &Style) -> f32 {
+        25.0
+    }
+
+    fn gap_width(&self, _: &Style) -> f32 {
+        3.0
+    }
+
+    fn min_size(&self) -> f32 {
+        120.0
+    }
+
+    fn tab_title_spacing(&self, _: &Visuals) -> f32 {
+        12.0
+    }
+
+    fn tab_bar_color(&self, visuals: &Visuals) -> Color32 {
+        theme::bars(visuals)
+    }
+
+    fn tab_outline_stroke(&self, _: &Visuals, _: &Tiles<Pane>, _: TileId, _: &TabState) -> Stroke {
+        Stroke::NONE
+    }
+
+    fn tab_bar_hline_stroke(&self, visuals: &Visuals) -> Stroke {
+        Stroke::new(1.0, visuals.panel_fill)
+    }
+
+    fn tab_text_color(&self, visuals: &Visuals, _: &Tiles<Pane>, _: TileId, state: &TabState) -> Color32 {
+        if state.active { visuals.strong_text_color() } else { theme::weak(visuals) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_panel_is_in_the_first_layout_and_comes_back_when_it_was_closed() {
+        let mut layout = default_layout();
+        for pane in Pane::ALL {
+            assert!(is_open(&layout, pane), "{pane:?}");
+            close(&mut layout, pane);
+            assert!(!is_open(&layout, pane));
+        }
+        for pane in Pane::ALL {
+            reveal(&mut layout, pane);
+            assert!(is_open(&layout, pane), "{pane:?}");
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! One row: fold, icon, name, and whether it is shown.
+
+use eframe::egui;
+use egui::{Align2, FontId, Key, Rect, Response, Sense, Ui, Vec2, WidgetInfo, WidgetType, pos2, vec2};
+use engine::scene::Entity;
+
+use super::{Hierarchy, Row, icon, small_icon};
+use crate::ask::{Ask, Asks};
+use crate::document::Document;
+use crate::edit::{Edit, Field};
+use crate::icons::Icon;
+use crate::selection::Selection;
+use crate::theme;
+
+const INDENT: f32 = 14.0;
+
+impl Hierarchy {
+    pub(super) fn row(
+        &mut self,
+        ui: &mut Ui,
+        row: Row,
+        entity: &Entity,
+        document: &Document,
+        selection: &Selection,
+        asks: &mut Asks,
+    ) {
+        let size = vec2(ui.available_width(), theme::ROW - 2.0);
+        let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
+        let id = ui.id().with(("row", entity.id.0));
+        let response = ui.interact(rect, id, Sense::click_and_drag());
+        let selected = selection.contains(entity.id);
+        response.widget_info(|| WidgetInfo::selected(WidgetType::SelectableLabel, true, selected, &entity.name));
+        let is_hidden = entity.hidden || document.scene().is_hidden(entity);
+        paint_back(ui, rect, &response, selected);
+        let left = rect.left() + 4.0 + f32::from(row.depth) * INDENT;
+        if row.has_children {
+            self.fold_button(ui, Rect::from_min_size(pos2(left, rect.top()), vec2(INDENT, size.y)), entity);
+        }
+        let color = color(ui, selected, is_hidden);
+        let place = Rect::from_center_size(pos2(left + INDENT + 7.0, rect.center().y), Vec2::splat(14.0));
+        small_icon(ui, place, icon(entity), color);
+        let text = Rect::from_min_max(pos2(left + INDENT + 19.0, rect.top()), rect.max - vec2(26.0, 0.0));
+        if self.renaming.as_ref().is_some_and(|(renamed, _)| *renamed == entity.id) {
+            self.name_field(ui, text, entity, asks);
+        } else {
+            let painter = ui.painter().with_clip_rect(text.intersect(ui.clip_rect()));
+            let font = FontId::proportional(13.0);
+            painter.text(pos2(text.left(), text.center().y), Align2::LEFT_CENTER, &entity.name, font, color);
+        }
+        if response.hovered() || entity.hidden {
+            let eye = Rect::from_center_size(pos2(rect.right() - 14.0, rect.center().y), Vec2::splat(18.0));
+            eye_button(ui, eye, entity, asks);
+        }
+        if response.clicked() {
+            self.click(ui, entity.id, selection, asks);
+        }
+        if response.double_clicked() {
+            asks.push(Ask::Frame(vec![entity.id]));
+        }
+    }
+
+    fn fold_button(&mut self, ui: &Ui, rect: Rect, entity: &Entity) {
+        let open = !self.collapsed.contains(&entity.id);
+        let response = ui.interact(rect, ui.id().with(("fold", entity.id.0)), Sense::click());
+        let name = format!("{} {}", if open { "Fold" } else { "Unfold" }, entity.name);
+        response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, &name));
+        let color = if response.hovered() { ui.visuals().strong_text_color() } else { theme::weak(ui.visuals()) };
+        let c = rect.center();
+        let points = match open {
+            true => vec![c + vec2(-4.0, -2.0), c + vec2(4.0, -2.0), c + vec2(0.0, 3.0)],
+            false => vec![c + vec2(-2.0, -4.0), c + vec2(3.0, 0.0), c + vec2(-2.0, 4.0)],
+        };
+        ui.painter().add(egui::Shape::convex_polygon(points, color, egui::Stroke::NONE));
+        if response.clicked() {
+            self.fold(entity.id);
+        }
+    }
+
+    fn name_field(&mut self, ui: &mut Ui, rect: Rect, entity: &Entity, asks: &mut Asks) {
+        let Some((_, name)) = &mut self.renaming else { return };
+        let field = egui::TextEdit::singleline(name).margin(egui::Margin::symmetric(2, 1));
+        let response = ui.put(rect, field);
+        response.ctx.accesskit_node_builder(response.id, |node| node.set_label("Name"));
+        if ui.input(|input| input.key_pressed(Key::Escape)) {
+            self.renaming = None;
+        } else if response.lost_focus() {
+            let name = name.trim().to_owned();
+            if !name.is_empty() && name != entity.name {
+                asks.push(Ask::Commit(Edit::set(entity.id, Field::Name(name))));
+            }
+            self.renaming = None;
+        } else {
+            response.request_focus();
+        }
+    }
+}
+
+fn paint_back(ui: &Ui, rect: Rect, response: &Response, selected: bool) {
+    let visuals = ui.visuals();
+    let fill = match (selected, response.hovered()) {
+        (true, _) => visuals.selection.bg_fill,
+        (false, true) => visuals.widgets.inactive.bg_fill.gamma_multiply(0.6),
+        (false, false) => return,
+    };
+    ui.painter().rect_filled(rect, 3.0, fill);
+}
+
+fn color(ui: &Ui, selected: bool, hidden: bool) -> egui::Color32 {
+    let visuals = ui.visuals();
+    match (selected, hidden) {
+        (true, _) => visuals.selection.stroke.color,
+        (_, true) => theme::weak(visuals).gamma_multiply(0.6),
+        _ => visuals.text_color(),
+    }
+}
+
+fn eye_button(ui: &Ui, rect: Rect, entity: &Entity, asks: &mut Asks) {
+    let response = ui.interact(rect, ui.id().with(("eye", entity.id.0)), Sense::click());
+    let name = format!("{} {}", if entity.hidden { "Show" } else { "Hide" }, entity.name);
+    response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, &name));
+    let color = if response.hovered() { ui.visuals().strong_text_color() } else { theme::weak(ui.visuals()) };
+    small_icon(ui, rect, if entity.hidden { Icon::EyeShut } else { Icon::Eye }, color);
+    if response.on_hover_text(name).clicked() {
+        asks.push(Ask::Commit(Edit::set(entity.id, Field::Hidden(!entity.hidden))));
+    }
+}

@@ -1,0 +1,109 @@
+//! The bar under the menus: tools, how they stand, play.
+
+use eframe::egui;
+use egui::{Layout, Ui, vec2};
+
+use super::scene::Handling;
+use crate::ask::{Ask, Asks, PlayAsk};
+use crate::gizmo::Tool;
+use crate::icons::{self, Icon};
+
+const TOOLS: [(Tool, Icon, &str, &str); 4] = [
+    (Tool::View, Icon::View, "View", "Look and select only (Q)"),
+    (Tool::Move, Icon::Move, "Move", "Move what is selected (W)"),
+    (Tool::Rotate, Icon::Rotate, "Rotate", "Turn what is selected (E)"),
+    (Tool::Scale, Icon::Scale, "Scale", "Scale what is selected (R)"),
+];
+
+/// What of playing the buttons show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Playing {
+    No,
+    Runs,
+    Paused,
+}
+
+pub fn show(ui: &mut Ui, handling: &mut Handling, playing: Playing, asks: &mut Asks) {
+    ui.horizontal_centered(|ui| {
+        ui.spacing_mut().item_spacing.x = 3.0;
+        tools(ui, handling, asks);
+        let width = 26.0 * 3.0 + 6.0;
+        let room = ui.available_width() + ui.min_rect().width();
+        let left = (room - width) * 0.5 - ui.min_rect().width();
+        ui.add_space(left.max(8.0));
+        play(ui, playing, asks);
+        ui.with_layout(Layout::right_to_left(egui::Align::Center), |_| {});
+    });
+}
+
+fn tools(ui: &mut Ui, handling: &mut Handling, asks: &mut Asks) {
+    for (tool, icon, name, tooltip) in TOOLS {
+        if icons::button(ui, icon, name, tooltip, handling.tool == tool).clicked() {
+            asks.push(Ask::Tool(tool));
+        }
+    }
+    gap(ui);
+    let (icon, name, tooltip) = match handling.local {
+        true => (Icon::Local, "Local axes", "Handles stand along the axes of what is selected (X)"),
+        false => (Icon::Global, "World axes", "Handles stand along the axes of the world (X)"),
+    };
+    if icons::button(ui, icon, name, tooltip, false).clicked() {
+        handling.local ^= true;
+    }
+    let (icon, name, tooltip) = match handling.centre {
+        true => (Icon::Centre, "Centre", "Handles stand in the middle of all that is selected (Z)"),
+        false => (Icon::Pivot, "Pivot", "Handles stand at the origin of what was selected last (Z)"),
+    };
+    if icons::button(ui, icon, name, tooltip, false).clicked() {
+        handling.centre ^= true;
+    }
+    gap(ui);
+    let tooltip = "Pulls go in steps; Ctrl does the opposite while it is held. Right click sets the steps";
+    let snap = icons::button(ui, Icon::Snap, "Snapping", tooltip, handling.snap);
+    if snap.clicked() {
+        handling.snap ^= true;
+    }
+    egui::Popup::context_menu(&snap).close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
+        steps(ui, handling);
+    });
+}
+
+fn steps(ui: &mut Ui, handling: &mut Handling) {
+    let steps = &mut handling.steps;
+    egui::Grid::new("steps").num_columns(2).spacing(vec2(12.0, 6.0)).show(ui, |ui| {
+        let mut row = |name: &str, value: &mut f64, suffix: &str, speed: f64| {
+            let label = ui.label(name);
+            let value = egui::DragValue::new(value).speed(speed).range(0.0..=1000.0).suffix(suffix);
+            ui.add(value).labelled_by(label.id);
+            ui.end_row();
+        };
+        row("Move", &mut steps.metres, " m", 0.01);
+        row("Rotate", &mut steps.degrees, "\u{b0}", 0.5);
+        row("Scale", &mut steps.scale, "", 0.01);
+    });
+}
+
+fn play(ui: &mut Ui, playing: Playing, asks: &mut Asks) {
+    let runs = playing != Playing::No;
+    let (icon, name) = if runs { (Icon::Stop, "Stop") } else { (Icon::Play, "Play") };
+    let tooltip = "The scene comes alive; stopping brings back exactly what you made (F5)";
+    if icons::button(ui, icon, name, tooltip, runs).clicked() {
+        asks.push(Ask::Play(if runs { PlayAsk::Stop } else { PlayAsk::Start }));
+    }
+    ui.add_enabled_ui(runs, |ui| {
+        let paused = playing == Playing::Paused;
+        if icons::button(ui, Icon::Pause, "Pause", "Time stands still (F7)", paused).clicked() {
+            asks.push(Ask::Play(PlayAsk::Pause(!paused)));
+        }
+        if icons::button(ui, Icon::Step, "Step", "One picture on, then time stands still (F8)", false).clicked() {
+            asks.push(Ask::Play(PlayAsk::Step));
+        }
+    });
+}
+
+fn gap(ui: &mut Ui) {
+    ui.add_space(4.0);
+    let (rect, _) = ui.allocate_exact_size(vec2(1.0, 16.0), egui::Sense::hover());
+    ui.painter().rect_filled(rect, 0.0, ui.visuals().widgets.inactive.bg_fill);
+    ui.add_space(4.0);
+}

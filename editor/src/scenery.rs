@@ -1,0 +1,139 @@
+//! The scene as it is shown now: the authored one, or the copy that plays.
+
+use std::collections::{HashMap, HashSet};
+
+use engine::play::world::placed_at;
+use engine::render::{Eye, Now, View};
+use engine::scene::assets::Assets;
+use engine::scene::{Entity, EntityId, MeshSource, Scene};
+use engine::transport::{Batch, Transport};
+use glam::{DAffine3, DVec3};
+
+use crate::document::Document;
+use crate::play::Play;
+
+/// Where everything authored stands; kept from picture to picture until the document changes.
+#[derive(Default)]
+pub struct Placed {
+    revision: Option<u64>,
+    pub world_from_local: Vec<DAffine3>,
+    /// Of what is in the bake, but elsewhere or in another shape there.
+    pub displaced: HashSet<EntityId>,
+}
+
+/// Where the bake has what it holds.
+#[derive(Default)]
+pub struct AsBaked {
+    placed: HashMap<EntityId, (DAffine3, MeshSource)>,
+}
+
+impl AsBaked {
+    /// Of a scene that the transport was baked from, as far as it holds it.
+    pub fn of(scene: &Scene, assets: &Assets, transport: &Transport) -> Self {
+        let world_from_local = placed_at(scene, assets, 0.0);
+        let baked: HashSet<EntityId> = transport.surface.batches.iter().map(Batch::entity).collect();
+        let placed = scene.entities.iter().zip(world_from_local).filter_map(|(entity, world)| {
+            let mesh = entity.mesh.as_ref().filter(|_| baked.contains(&entity.id))?;
+            Some((entity.id, (world, mesh.mesh.clone())))
+        });
+        Self { placed: placed.collect() }
+    }
+
+    fn holds(&self, entity: &Entity, world: &DAffine3) -> bool {
+        let Some((baked, mesh)) = self.placed.get(&entity.id) else { return true };
+        baked == world && entity.mesh.as_ref().is_some_and(|renderer| renderer.mesh == *mesh)
+    }
+}
+
+impl Placed {
+    pub fn follow(&mut self, document: &Document, assets: &Assets, baked: &AsBaked) {
+        if self.revision == Some(document.revision()) {
+            return;
+        }
+        self.revision = Some(document.revision());
+        let scene = document.scene();
+        self.world_from_local = placed_at(scene, assets, 0.0);
+        let elsewhere =
+            scene.entities.iter().zip(&self.world_from_local).filter(|(entity, world)| !baked.holds(entity, world));
+        self.displaced = elsewhere.map(|(entity, _)| entity.id).collect();
+    }
+
+    /// The next time everything is placed anew.
+    pub fn forget(&mut self) {
+        self.revision = None;
+    }
+}
+
+#[derive(Clone, Copy)]
+pub struct Scenery<'a> {
+    pub scene: &'a Scene,
+    pub assets: &'a Assets,
+    pub world_from_local: &'a [DAffine3],
+    pub time: f64,
+    pub revision: u64,
+    pub is_playing: bool,
+    pub displaced: &'a HashSet<EntityId>,
+}
+
+impl<'a> Scenery<'a> {
+    pub fn of(document: &'a Document, assets: &'a Assets, placed: &'a Placed, play: Option<&'a Play>) -> Self {
+        let displaced = &placed.displaced;
+        match play {
+            Some(play) => Self {
+                scene: &play.scene,
+                assets,
+                world_from_local: &play.world_from_local,
+                time: play.time(),
+                revision: u64::MAX,
+                is_playing: true,
+                displaced,
+            },
+            None => Self {
+                scene: document.scene(),
+                assets,
+                world_from_local: &placed.world_from_local,
+                time: 0.0,
+                revision: document.revision(),
+                is_playing: false,
+                displaced,
+            },
+        }
+    }
+
+    pub fn now(&self, eye: Eye, view: View) -> Now<'a> {
+        Now {
+            scene: self.scene,
+            assets: self.assets,
+            world_from_local: self.world_from_local,
+            time: self.time,
+            eye,
+            view,
+        }
+    }
+
+    pub fn placed(&self) -> impl Iterator<Item = (&'a Entity, &'a DAffine3)> + use<'a> {
+        self.scene.entities.iter().zip(self.world_from_local)
+    }
+
+    /// Of the scene's camera; `None`: it has none.
+    pub fn camera(&self) -> Option<Eye> {
+        Eye::of_scene(self.scene, self.world_from_local)
+    }
+
+    /// The box about all that is chosen, in the world; half a metre about what has no surface.
+    pub fn extent(&self, chosen: impl Fn(&Entity) -> bool) -> Option<(DVec3, DVec3)> {
+        let mut both: Option<(DVec3, DVec3)> = None;
+        for (entity, world) in self.placed().filter(|(entity, _)| chosen(entity)) {
+            let mesh = entity.mesh.as_ref().and_then(|renderer| self.assets.meshes.get(&renderer.mesh));
+            let corners: Vec<DVec3> = match mesh {
+                Some(mesh) => mesh.positions.iter().map(|at| world.transform_point3(at.as_dvec3())).collect(),
+                None => [-0.5, 0.5].map(|off| world.translation + DVec3::splat(off)).to_vec(),
+            };
+            for point in corners {
+                let (low, high) = both.unwrap_or((point, point));
+                both = Some((low.min(point), high.max(point)));
+            }
+        }
+        both
+    }
+}

@@ -1,0 +1,4 @@
+//! From the mouse to the camera, and from the mouse to edits.
+
+pub mod navigate;
+pub mod transform;

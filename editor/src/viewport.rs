@@ -1,0 +1,166 @@
+//! The engine in the editor: one renderer on the window's own device, and pictures that it draws for panels. A picture is
+//! drawn again only where it would come out otherwise: something in it changed, or its light has not settled yet.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use eframe::egui_wgpu::RenderState;
+use eframe::{egui, wgpu};
+use egui::{TextureId, Vec2};
+use engine::gpu::{Gpu, texture};
+use engine::render::outline::Marks;
+use engine::render::{Drawn, Eye, Now, RenderError, Renderer, Settings, View};
+use engine::scene::assets::Assets;
+use engine::transport::Transport;
+use glam::DVec3;
+
+/// egui shows textures as they are stored.
+const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+/// An eye that adapts by itself is watched for so long after the last change.
+const ADAPTS: Duration = Duration::from_secs(3);
+
+/// The renderer, and what it lights scenes with.
+pub struct Stage {
+    state: RenderState,
+    gpu: Arc<Gpu>,
+    pub renderer: Renderer,
+    transport: Arc<Transport>,
+    settings: Settings,
+}
+
+impl Stage {
+    pub fn new(
+        state: &RenderState,
+        transport: Arc<Transport>,
+        assets: &Assets,
+        settings: Settings,
+    ) -> Result<Self, RenderError> {
+        let gpu = Gpu::from_device(state.adapter.clone(), state.device.clone(), state.queue.clone())?;
+        let gpu = Arc::new(gpu);
+        let renderer = Renderer::new(gpu.clone(), transport.clone(), assets, settings)?;
+        Ok(Self { state: state.clone(), gpu, renderer, transport, settings })
+    }
+
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    pub fn transport(&self) -> &Arc<Transport> {
+        &self.transport
+    }
+
+    /// World coordinates of the renderer are relative to it.
+    pub fn origin(&self) -> DVec3 {
+        self.transport.origin
+    }
+
+    /// Another bake lights the scene from now on.
+    pub fn relight(&mut self, transport: Arc<Transport>, assets: &Assets) -> Result<(), RenderError> {
+        self.renderer = Renderer::new(self.gpu.clone(), transport.clone(), assets, self.settings)?;
+        self.transport = transport;
+        Ok(())
+    }
+}
+
+/// All that tells one picture from another.
+#[derive(Clone, Debug, PartialEq)]
+struct Shown {
+    /// Of the scene.
+    revision: u64,
+    time: f64,
+    eye: Eye,
+    view: View,
+    marks: Marks,
+    size: [u32; 2],
+}
+
+/// A picture in a panel.
+#[derive(Default)]
+pub struct Picture {
+    texture: Option<(wgpu::Texture, TextureId)>,
+    shown: Option<Shown>,
+    changed: Option<Instant>,
+    settled: bool,
+    /// What the last one came to.
+    pub drawn: Drawn,
+    /// What the processor needed for the last one.
+    pub took: Duration,
+    /// How many there were.
+    pub count: u64,
+    pub error: Option<String>,
+}
+
+impl Picture {
+    /// Pixels of a picture that fills so many points.
+    pub fn pixels(gpu: &Gpu, points: Vec2, pixels_per_point: f32) -> [u32; 2] {
+        let most = gpu.device.limits().max_texture_dimension_2d;
+        let side = |points: f32| ((points * pixels_per_point).round() as u32).clamp(1, most);
+        [side(points.x), side(points.y)]
+    }
+
+    /// The picture of the scene as it is now. `None`: nothing could be drawn yet, `error` says why.
+    pub fn show(
+        &mut self,
+        stage: &mut Stage,
+        now: &Now<'_>,
+        revision: u64,
+        marks: &Marks,
+        size: [u32; 2],
+    ) -> Option<TextureId> {
+        let shown =
+            Shown { revision, time: now.time, eye: now.eye, view: now.view, marks: marks.clone(), size };
+        let differs = self.shown.as_ref() != Some(&shown);
+        if differs {
+            self.changed = Some(Instant::now());
+        }
+        if differs || !self.settled {
+            self.fit(stage, size);
+            self.draw(stage, now, marks);
+            self.shown = Some(shown);
+            let adapts = now.eye.auto_exposure.is_some()
+                && self.changed.is_some_and(|changed| changed.elapsed() < ADAPTS);
+            self.settled = self.error.is_some() || self.drawn.is_settled() && !adapts;
+        }
+        self.texture.as_ref().map(|(_, id)| *id)
+    }
+
+    /// Another picture is due soon, though nothing changes.
+    pub fn is_settled(&self) -> bool {
+        self.settled
+    }
+
+    /// The next one is drawn whatever changed: the stage is another.
+    pub fn forget(&mut self) {
+        self.shown = None;
+    }
+
+    fn fit(&mut self, stage: &Stage, size: [u32; 2]) {
+        if self.texture.as_ref().is_some_and(|(texture, _)| [texture.width(), texture.height()] == size) {
+            return;
+        }
+        let texture = texture::target(&stage.gpu, "picture", size, 1, FORMAT);
+        let view = texture.create_view(&Default::default());
+        let mut renderer = stage.state.renderer.write();
+        let filter = wgpu::FilterMode::Nearest;
+        let id = match &self.texture {
+            Some((_, id)) => {
+                renderer.update_egui_texture_from_wgpu_texture(&stage.gpu.device, &view, filter, *id);
+                *id
+            }
+            None => renderer.register_native_texture(&stage.gpu.device, &view, filter),
+        };
+        self.texture = Some((texture, id));
+    }
+
+    fn draw(&mut self, stage: &mut Stage, now: &Now<'_>, marks: &Marks) {
+        let Some((texture, _)) = &self.texture else { return };
+        let since = Instant::now();
+        stage.renderer.mark(marks);
+        match stage.renderer.draw(now, texture) {
+            Ok(drawn) => (self.drawn, self.error) = (drawn, None),
+            Err(error) => self.error = Some(error.to_string()),
+        }
+        self.took = since.elapsed();
+        self.count += 1;
+    }
+}

@@ -1,0 +1,151 @@
+//! What an editor draws over a picture: lines in the world, and an outline around what is selected, seen through
+//! whatever stands before it. The outline is made of a mask of the selected surfaces.
+
+use std::collections::{HashMap, HashSet};
+
+use super::frame::Renderer;
+use super::lines::Line;
+use super::picking::{MASK, Numbered};
+use super::{Drawn, shaders};
+use crate::gpu::pass::{self, Binding};
+use crate::gpu::shader::Library;
+use crate::gpu::{Gpu, GpuError, texture};
+use crate::scene::EntityId;
+
+/// What is drawn over the scene.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Marks {
+    /// Relative to the transport's origin.
+    pub lines: Vec<Line>,
+    pub outlined: HashSet<EntityId>,
+    /// What the bake has elsewhere or in another shape: drawn where it is now, in the light of probes.
+    pub displaced: HashSet<EntityId>,
+}
+
+pub struct Outline {
+    module: wgpu::ShaderModule,
+    layout: wgpu::PipelineLayout,
+    mask_layout: wgpu::BindGroupLayout,
+    pipelines: HashMap<wgpu::TextureFormat, wgpu::RenderPipeline>,
+    mask: Option<(wgpu::Texture, wgpu::BindGroup)>,
+    outlined: HashSet<EntityId>,
+}
+
+impl Outline {
+    pub fn new(
+        gpu: &Gpu,
+        library: &mut Library,
+        frame_layout: &wgpu::BindGroupLayout,
+    ) -> Result<Self, GpuError> {
+        let mask_layout = pass::layout(gpu, "mask", wgpu::ShaderStages::FRAGMENT, &[Binding::Texels]);
+        Ok(Self {
+            module: library.module(gpu, shaders::OUTLINE)?,
+            layout: pass::pipeline_layout(gpu, &[Some(frame_layout), None, None, Some(&mask_layout)]),
+            mask_layout,
+            pipelines: HashMap::new(),
+            mask: None,
+            outlined: HashSet::new(),
+        })
+    }
+
+    fn fit(&mut self, gpu: &Gpu, size: [u32; 2]) {
+        let fits = |mask: &wgpu::Texture| [mask.width(), mask.height()] == size;
+        if self.mask.as_ref().is_some_and(|(mask, _)| fits(mask)) {
+            return;
+        }
+        let mask = texture::target(gpu, "mask", size, 1, MASK);
+        let view = mask.create_view(&Default::default());
+        let group =
+            pass::group(gpu, "mask", &self.mask_layout, &[wgpu::BindingResource::TextureView(&view)]);
+        self.mask = Some((mask, group));
+    }
+}
+
+impl Renderer {
+    /// What is drawn over the pictures from now on.
+    pub fn mark(&mut self, marks: &Marks) {
+        let gpu = &*self.gpu.clone();
+        self.guides.set(gpu, &marks.lines);
+        self.outline.outlined.clone_from(&marks.outlined);
+        self.instances.displaced.clone_from(&marks.displaced);
+    }
+
+    /// Returns the draws.
+    pub(super) fn draw_outline(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        scene: &crate::scene::Scene,
+        display: &wgpu::Texture,
+    ) -> u32 {
+        if self.outline.outlined.is_empty() {
+            return 0;
+        }
+        self.picking.number(gpu, &self.instances.draws);
+        self.outline.fit(gpu, [display.width(), display.height()]);
+        let Outline { module, layout, pipelines, mask: Some((mask, group)), outlined, .. } = &mut self.outline
+        else {
+            return 0;
+        };
+        let is_outlined = |entity: usize| {
+            scene.entities.get(entity).is_some_and(|entity| outlined.contains(&entity.id))
+        };
+        let view = mask.create_view(&Default::default());
+        let mut pass = pass::draw_into(encoder, "mask", &view, self.timer.render("outline"));
+        pass.set_bind_group(0, &self.frame_group, &[]);
+        let numbered = Numbered { instances: &self.instances, still: &self.still, meshes: &self.meshes };
+        let draws =
+            self.picking.draw(gpu, &mut pass, &numbered, true, |draw| draw.entity.is_some_and(is_outlined));
+        drop(pass);
+
+        let format = display.format();
+        let pipeline = pipelines.entry(format).or_insert_with(|| pipeline(gpu, module, layout, format));
+        let view = display.create_view(&Default::default());
+        let mut pass = pass::draw_over(encoder, "outline", &view, None);
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, &self.frame_group, &[]);
+        pass.set_bind_group(3, &*group, &[]);
+        pass.draw(0..3, 0..1);
+        draws + 1
+    }
+}
+
+impl Drawn {
+    /// Whether another picture of the same scene would be the same: light has settled, nothing is being captured.
+    pub fn is_settled(&self) -> bool {
+        self.products == 0 && self.captures == 0 && self.transport_dispatches == 0
+    }
+}
+
+fn pipeline(
+    gpu: &Gpu,
+    module: &wgpu::ShaderModule,
+    layout: &wgpu::PipelineLayout,
+    format: wgpu::TextureFormat,
+) -> wgpu::RenderPipeline {
+    gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("outline"),
+        layout: Some(layout),
+        vertex: wgpu::VertexState {
+            module,
+            entry_point: Some("corner"),
+            compilation_options: Default::default(),
+            buffers: &[],
+        },
+        primitive: Default::default(),
+        depth_stencil: None,
+        multisample: Default::default(),
+        fragment: Some(wgpu::FragmentState {
+            module,
+            entry_point: Some("outline"),
+            compilation_options: Default::default(),
+            targets: &[Some(wgpu::ColorTargetState {
+                format,
+                blend: Some(wgpu::BlendState::ALPHA_BLENDING),
+                write_mask: wgpu::ColorWrites::ALL,
+            })],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}

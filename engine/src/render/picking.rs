@@ -1,0 +1,267 @@
+//! Which entity is seen where: the scene drawn once more, each surface in the number of its entity, into a picture as
+//! large as the rectangle that is asked for. What lies beneath is found by asking again without what lies above.
+
+use std::collections::{BTreeSet, HashMap, HashSet};
+
+use bytemuck::{Pod, Zeroable};
+use glam::{Mat4, Vec4};
+
+use super::frame::{FrameUniform, Now, Renderer};
+use super::instances::{Draw, Instances};
+use super::meshes::{Meshes, StillBuffers};
+use super::{RenderError, shaders, surface};
+use crate::gpu::buffer::{self, Held};
+use crate::gpu::pass::{self, Binding};
+use crate::gpu::shader::Library;
+use crate::gpu::{Gpu, GpuError, texture};
+use crate::scene::EntityId;
+
+/// `Object` in `picking.wgsl`, in a slot of a uniform buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct ObjectUniform {
+    pub number: u32,
+    pub padding: [u32; 63],
+}
+
+const NUMBERS: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
+pub(super) const MASK: wgpu::TextureFormat = wgpu::TextureFormat::R8Unorm;
+
+/// Pixels of a picture: from `low` up to, but without, `high`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pixels {
+    pub low: [u32; 2],
+    pub high: [u32; 2],
+}
+
+/// What tells one pipeline from another.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+struct Variant {
+    moving: bool,
+    cull: Option<wgpu::Face>,
+    /// Into a mask, whatever lies before it.
+    mask: bool,
+}
+
+pub struct Picking {
+    module: wgpu::ShaderModule,
+    layout: wgpu::PipelineLayout,
+    pipelines: HashMap<Variant, wgpu::RenderPipeline>,
+    object_layout: wgpu::BindGroupLayout,
+    /// One a draw.
+    objects: Held<ObjectUniform>,
+    bound: Option<(u64, wgpu::BindGroup)>,
+    /// The view of a rectangle.
+    frame: wgpu::Buffer,
+    frame_group: wgpu::BindGroup,
+}
+
+/// What is drawn with numbers.
+pub(super) struct Numbered<'a> {
+    pub instances: &'a Instances,
+    pub still: &'a StillBuffers,
+    pub meshes: &'a Meshes,
+}
+
+impl Picking {
+    pub fn new(
+        gpu: &Gpu,
+        library: &mut Library,
+        frame_layout: &wgpu::BindGroupLayout,
+    ) -> Result<Self, GpuError> {
+        let stages = wgpu::ShaderStages::FRAGMENT;
+        let object_layout = pass::layout(gpu, "object", stages, &[Binding::UniformSlot]);
+        let frame =
+            buffer::filled(gpu, "picking", &[FrameUniform::zeroed()], wgpu::BufferUsages::UNIFORM);
+        Ok(Self {
+            module: library.module(gpu, shaders::PICKING)?,
+            layout: pass::pipeline_layout(gpu, &[Some(frame_layout), None, None, Some(&object_layout)]),
+            pipelines: HashMap::new(),
+            objects: Held::new(gpu, "objects", wgpu::BufferUsages::UNIFORM),
+            bound: None,
+            frame_group: pass::buffers(gpu, "picking", frame_layout, &[&frame]),
+            frame,
+            object_layout,
+        })
+    }
+
+    /// Numbers the draws as they are now.
+    pub(super) fn number(&mut self, gpu: &Gpu, draws: &[Draw]) {
+        let object = |draw: &Draw| ObjectUniform {
+            number: draw.entity.map_or(0, |entity| entity as u32 + 1),
+            padding: [0; 63],
+        };
+        self.objects.write(gpu, &draws.iter().map(object).collect::<Vec<_>>());
+        if self.bound.as_ref().is_some_and(|(generation, _)| *generation == self.objects.generation) {
+            return;
+        }
+        let slot = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+            buffer: self.objects.buffer(),
+            offset: 0,
+            size: wgpu::BufferSize::new(size_of::<ObjectUniform>() as u64),
+        });
+        let group = pass::group(gpu, "object", &self.object_layout, &[slot]);
+        self.bound = Some((self.objects.generation, group));
+    }
+
+    /// Draws what is chosen; group 0 is set. Returns the draws.
+    pub(super) fn draw(
+        &mut self,
+        gpu: &Gpu,
+        pass: &mut wgpu::RenderPass<'_>,
+        numbered: &Numbered<'_>,
+        mask: bool,
+        chosen: impl Fn(&Draw) -> bool,
+    ) -> u32 {
+        let Some((_, objects)) = &self.bound else { return 0 };
+        let mut draws = 0;
+        for (index, draw) in numbered.instances.draws.iter().enumerate() {
+            if !draw.shown || draw.indices.is_empty() || !chosen(draw) {
+                continue;
+            }
+            let variant = Variant { moving: draw.mesh.is_some(), cull: surface::culled(draw), mask };
+            let pipeline = self
+                .pipelines
+                .entry(variant)
+                .or_insert_with(|| pipeline(gpu, &self.module, &self.layout, variant));
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(3, objects, &[(index * size_of::<ObjectUniform>()) as u32]);
+            surface::bind_mesh(pass, draw, numbered.still, numbered.meshes, numbered.instances, false);
+            pass.draw_indexed(draw.indices.clone(), 0, 0..1);
+            draws += 1;
+        }
+        draws
+    }
+}
+
+impl Renderer {
+    /// Entities (their places in the scene) that are seen in a rectangle of a picture of `size`, without those named.
+    /// Blocks until they are found.
+    pub fn seen_in(
+        &mut self,
+        now: &Now<'_>,
+        size: [u32; 2],
+        pixels: Pixels,
+        without: &HashSet<EntityId>,
+    ) -> Result<BTreeSet<usize>, RenderError> {
+        let side = |axis: usize| pixels.high[axis].min(size[axis]).saturating_sub(pixels.low[axis]);
+        let asked = [side(0), side(1)];
+        if asked.contains(&0) {
+            return Ok(BTreeSet::new());
+        }
+        let gpu = &*self.gpu.clone();
+        self.instances.update(gpu, now, &self.transport, &self.materials, &mut self.meshes);
+        self.picking.number(gpu, &self.instances.draws);
+        let aspect = size[0] as f32 / size[1] as f32;
+        let uniform = FrameUniform {
+            clip_from_world: cropped(size, pixels)
+                * now.eye.clip_from_world(self.transport.origin, aspect),
+            ..FrameUniform::zeroed()
+        };
+        gpu.queue.write_buffer(&self.picking.frame, 0, bytemuck::bytes_of(&uniform));
+
+        let numbers = texture::target(gpu, "numbers", asked, 1, NUMBERS);
+        let depth = texture::samples(gpu, "depth", asked, 1, wgpu::TextureFormat::Depth32Float);
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let mut pass = begin(&mut encoder, &numbers, &depth);
+        pass.set_bind_group(0, &self.picking.frame_group.clone(), &[]);
+        let numbered = Numbered { instances: &self.instances, still: &self.still, meshes: &self.meshes };
+        let left = |draw: &Draw| {
+            let entity = draw.entity.and_then(|index| now.scene.entities.get(index));
+            entity.is_some_and(|entity| !without.contains(&entity.id))
+        };
+        self.picking.draw(gpu, &mut pass, &numbered, false, left);
+        drop(pass);
+        gpu.queue.submit([encoder.finish()]);
+        let bytes = texture::read(gpu, &numbers, 4)?;
+        let found = bytes.chunks_exact(4).map(|texel| u32::from_le_bytes([texel[0], texel[1], texel[2], texel[3]]));
+        Ok(found.filter(|&number| number > 0).map(|number| number as usize - 1).collect())
+    }
+}
+
+/// The map from a picture's clip space to that of a rectangle of it.
+fn cropped(size: [u32; 2], pixels: Pixels) -> Mat4 {
+    let range = |axis: usize, flip: f32| {
+        let at = |pixel: u32| flip * (2.0 * pixel as f32 / size[axis] as f32 - 1.0);
+        let (a, b) = (at(pixels.low[axis]), at(pixels.high[axis].min(size[axis])));
+        let (low, high) = (a.min(b), a.max(b));
+        (2.0 / (high - low), -(high + low) / (high - low))
+    };
+    let ((x, from_x), (y, from_y)) = (range(0, 1.0), range(1, -1.0));
+    Mat4::from_cols(Vec4::X * x, Vec4::Y * y, Vec4::Z, Vec4::new(from_x, from_y, 0.0, 1.0))
+}
+
+fn begin<'a>(
+    encoder: &'a mut wgpu::CommandEncoder,
+    numbers: &wgpu::Texture,
+    depth: &wgpu::Texture,
+) -> wgpu::RenderPass<'a> {
+    let clear = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("picking"),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view: &numbers.create_view(&Default::default()),
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations { load: clear, store: wgpu::StoreOp::Store },
+        })],
+        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+            view: &depth.create_view(&Default::default()),
+            depth_ops: Some(wgpu::Operations {
+                load: wgpu::LoadOp::Clear(0.0),
+                store: wgpu::StoreOp::Discard,
+            }),
+            stencil_ops: None,
+        }),
+        ..Default::default()
+    })
+}
+
+fn pipeline(
+    gpu: &Gpu,
+    module: &wgpu::ShaderModule,
+    layout: &wgpu::PipelineLayout,
+    variant: Variant,
+) -> wgpu::RenderPipeline {
+    let (entry, format) = if variant.mask { ("mask", MASK) } else { ("number", NUMBERS) };
+    gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("picking"),
+        layout: Some(layout),
+        vertex: wgpu::VertexState {
+            module,
+            entry_point: Some(if variant.moving { "moving" } else { "still" }),
+            compilation_options: Default::default(),
+            buffers: surface::vertex_layouts(variant.moving, false),
+        },
+        primitive: wgpu::PrimitiveState { cull_mode: variant.cull, ..Default::default() },
+        depth_stencil: (!variant.mask).then(|| surface::depth_state(true)),
+        multisample: Default::default(),
+        fragment: Some(wgpu::FragmentState {
+            module,
+            entry_point: Some(entry),
+            compilation_options: Default::default(),
+            targets: &[Some(format.into())],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rectangle_fills_its_own_clip_space() {
+        let crop = cropped([200, 100], Pixels { low: [50, 10], high: [100, 60] });
+        let at = |x: f32, y: f32| {
+            let clip = crop * Vec4::new(2.0 * x / 200.0 - 1.0, 1.0 - 2.0 * y / 100.0, 0.5, 1.0);
+            [clip.x / clip.w, clip.y / clip.w]
+        };
+        for (pixel, clip) in [([50.0, 10.0], [-1.0, 1.0]), ([100.0, 60.0], [1.0, -1.0]), ([75.0, 35.0], [0.0, 0.0])]
+        {
+            let found = at(pixel[0], pixel[1]);
+            assert!((found[0] - clip[0]).abs() < 1e-5 && (found[1] - clip[1]).abs() < 1e-5, "{found:?}");
+        }
+    }
+}
