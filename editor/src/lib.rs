@@ -1,0 +1,26 @@
+//! Hohlraum's scene editor.
+//!
+//! Everything that changes a scene is an [`edit::Edit`], plain data; the [`document::Document`] is the one door
+//! through which edits reach the scene. Panels read the document and [`ask`] for edits, which are done when all of them
+//! are drawn.
+
+pub mod app;
+pub mod ask;
+pub mod camera;
+pub mod document;
+pub mod edit;
+pub mod gizmo;
+pub mod history;
+pub mod icons;
+pub mod inspector;
+pub mod layout;
+pub mod lens;
+pub mod opened;
+pub mod panels;
+pub mod play;
+pub mod primitives;
+pub mod scenery;
+pub mod selection;
+pub mod theme;
+pub mod tools;
+pub mod viewport;
