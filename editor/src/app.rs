@@ -1,133 +1,227 @@
 //! The editor as a whole: what it holds, how a picture of it comes about, and how what panels asked for is done.
 
-use std::sync::Arc;
+mod leave;
+mod window;
+
+use std::path::PathBuf;
+use std::sync::mpsc::Receiver;
 
 use eframe::egui;
-use eframe::egui_wgpu::{RenderState, WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
-use egui::{CentralPanel, Key, Panel, Ui, ViewportCommand};
-use engine::gpu::Gpu;
+use eframe::egui_wgpu::RenderState;
+use egui::{CentralPanel, Panel, Ui, ViewportCommand};
 use engine::render::{RenderError, Settings};
 use engine::scene::EntityId;
 use engine::scene::assets::Assets;
 
-use crate::ask::{Ask, Asks, PlayAsk};
+use crate::ask::{Ask, Asks};
 use crate::camera::ViewCamera;
+use crate::command::{Bindings, Command};
 use crate::document::Document;
 use crate::inspector::Inspector;
+use crate::keys;
 use crate::layout::{self, Docks, Layout, Pane};
+use crate::log::{Log, Source};
 use crate::opened::Opened;
+use crate::panels::console::Console;
 use crate::panels::game::GameView;
-use crate::panels::hierarchy::Hierarchy;
+use crate::panels::hierarchy::{Hierarchy, Tree};
+use crate::panels::open::OpenDialog;
+use crate::panels::palette::Palette;
 use crate::panels::scene::{SceneView, Seen};
+use crate::panels::status::Status;
 use crate::panels::toolbar::{self, Playing};
+use crate::panels::{menu, statistics};
 use crate::play::Play;
+use crate::recent::{Preferences, Theme};
 use crate::scenery::{AsBaked, Placed, Scenery};
 use crate::selection::Selection;
 use crate::theme;
 use crate::viewport::Stage;
+pub use window::{run, wgpu_setup};
 
 pub struct Editor {
     pub document: Document,
     pub selection: Selection,
-    assets: Assets,
+    pub log: Log,
+    pub(crate) assets: Assets,
     baked: AsBaked,
     placed: Placed,
-    play: Option<Play>,
+    pub(crate) play: Option<Play>,
+    state: RenderState,
     stage: Stage,
-    layout: Layout,
+    pub(crate) layout: Layout,
     pub scene: SceneView,
     game: GameView,
-    hierarchy: Hierarchy,
+    pub(crate) hierarchy: Hierarchy,
     inspector: Inspector,
+    pub(crate) console: Console,
+    pub(crate) palette: Palette,
+    status: Status,
+    open: OpenDialog,
+    bindings: Bindings,
+    pub(crate) preferences: Preferences,
+    /// Where preferences are kept; `None`: nowhere.
+    home: Option<PathBuf>,
+    /// What was copied last.
+    pub(crate) copied: Option<String>,
     asks: Asks,
+    /// Asked before the document is left: what comes then.
+    leaving: Option<leave::Then>,
+    loading: Option<Receiver<Result<Opened, String>>>,
     title: String,
 }
 
 impl Editor {
-    pub fn new(ctx: &egui::Context, state: &RenderState, opened: Opened) -> Result<Self, RenderError> {
+    /// `home`: where preferences are kept; `None`: nowhere.
+    pub fn new(
+        ctx: &egui::Context,
+        state: &RenderState,
+        opened: Opened,
+        home: Option<PathBuf>,
+    ) -> Result<Self, RenderError> {
         theme::install(ctx);
-        let Opened { document, assets, transport, cubemaps, unlimited_gain, .. } = opened;
+        let log = Log::default();
+        let (preferences, broken) = home.as_deref().map_or_else(Default::default, Preferences::load);
+        log.warnings(broken.as_slice(), opened.document.scene());
+        let (bindings, odd) = Bindings::from_preferences(&preferences.shortcuts);
+        odd.into_iter().for_each(|odd| log.warning(Source::Nothing, odd));
+        let layout = preferences.layout.as_deref().and_then(layout::read).unwrap_or_else(layout::default_layout);
+        let Opened { document, assets, transport, cubemaps, unlimited_gain, warnings } = opened;
+        warnings.into_iter().for_each(|warning| log.warning(Source::Nothing, warning));
         let settings = Settings { unlimited_gain, ..Settings::default() };
         let mut stage = Stage::new(state, transport.clone(), &assets, settings)?;
         stage.renderer.give_cubemaps(cubemaps);
-        let baked = AsBaked::of(document.scene(), &assets, &transport);
         let mut editor = Self {
+            baked: AsBaked::of(document.scene(), &assets, &transport),
             document,
             selection: Selection::default(),
+            log,
             assets,
-            baked,
             placed: Placed::default(),
             play: None,
+            state: state.clone(),
             stage,
-            layout: layout::default_layout(),
+            layout,
             scene: SceneView::default(),
             game: GameView::default(),
             hierarchy: Hierarchy::default(),
             inspector: Inspector::default(),
+            console: Console::default(),
+            palette: Palette::default(),
+            status: Status::default(),
+            open: OpenDialog::default(),
+            bindings,
+            preferences,
+            home,
+            copied: None,
             asks: Asks::default(),
+            leaving: None,
+            loading: None,
             title: String::new(),
         };
-        editor.look_at_all();
+        editor.arrived(ctx);
         Ok(editor)
     }
 
-    fn look_at_all(&mut self) {
+    /// After a document was opened.
+    fn arrived(&mut self, ctx: &egui::Context) {
+        let project = self.document.project().to_owned();
+        self.preferences.opened(&project);
+        self.apply_preferences(ctx);
         self.placed.follow(&self.document, &self.assets, &self.baked);
-        let scenery = Scenery::of(&self.document, &self.assets, &self.placed, None);
-        if let Some((low, high)) = scenery.extent(|entity| entity.mesh.is_some()) {
+        if let Some((low, high)) = self.scenery().extent(|entity| entity.mesh.is_some()) {
             self.scene.camera = ViewCamera::framing(low, high);
         }
+        self.log.info(format!("Opened {}", self.document.path().display()));
+    }
+
+    pub(crate) fn apply_preferences(&self, ctx: &egui::Context) {
+        ctx.set_theme(match self.preferences.theme {
+            Theme::Dark => egui::Theme::Dark,
+            Theme::Light => egui::Theme::Light,
+        });
+        ctx.set_zoom_factor(self.preferences.ui_scale);
+        self.keep_preferences();
+    }
+
+    fn keep_preferences(&self) {
+        let Some(home) = &self.home else { return };
+        let layout = layout::written(&self.layout);
+        let preferences = Preferences { layout, ..self.preferences.clone() };
+        if let Err(error) = preferences.save(home) {
+            self.log.scene_error(&error, self.document.scene());
+        }
+    }
+
+    pub(crate) fn scenery(&self) -> Scenery<'_> {
+        Scenery::of(&self.document, &self.assets, &self.placed, self.play.as_ref())
     }
 
     /// A picture of the editor.
     pub fn ui(&mut self, ui: &mut Ui) {
-        self.shortcuts(ui);
         self.placed.follow(&self.document, &self.assets, &self.baked);
         if let Some(play) = &mut self.play {
             play.advance(&self.assets);
             ui.ctx().request_repaint();
         }
-        let playing = self.playing();
-        Panel::top("toolbar").exact_size(32.0).frame(theme::bar(ui.style())).show_separator_line(false).show(
-            ui,
-            |ui| toolbar::show(ui, &mut self.scene.handling, playing, &mut self.asks),
-        );
+        if self.leaving.is_none() && !self.open.is_open() {
+            keys::pressed(ui, &self.bindings).into_iter().for_each(|command| self.asks.push(Ask::Run(command)));
+        }
+        self.bars(ui);
         let frame = egui::Frame::new().fill(theme::bars(ui.visuals()));
         CentralPanel::no_frame().frame(frame).show(ui, |ui| self.docks(ui));
+        let state = self.state();
+        self.palette.show(ui, &state, &self.bindings, &mut self.asks);
+        self.dialogs(ui);
         self.do_what_was_asked(ui);
         self.tell_title(ui);
     }
 
+    fn bars(&mut self, ui: &mut Ui) {
+        let (state, playing) = (self.state(), self.playing());
+        let bar = theme::bar(ui.style());
+        let top = Panel::top("menus").exact_size(26.0).frame(bar).show_separator_line(false);
+        top.show(ui, |ui| menu::show(ui, &state, &self.bindings, &mut self.asks));
+        let tools = Panel::top("toolbar").exact_size(32.0).frame(bar).show_separator_line(false);
+        tools.show(ui, |ui| toolbar::show(ui, &mut self.scene.handling, playing, &mut self.asks));
+        let bottom = Panel::bottom("status").exact_size(24.0).frame(bar).show_separator_line(false);
+        let (selected, entities) = (self.selection.ids().len(), self.document.scene().entities.len());
+        bottom.show(ui, |ui| self.status.show(ui, &self.log, selected, entities, &mut self.asks));
+    }
+
     fn docks(&mut self, ui: &mut Ui) {
-        let mut layout = std::mem::replace(&mut self.layout, Layout::empty("none"));
+        let mut layout = std::mem::replace(&mut self.layout, Layout::empty(egui::Id::unique("none")));
         layout.ui(&mut Docks { show: &mut |ui, pane| self.pane(ui, pane) }, ui);
         self.layout = layout;
     }
 
     fn pane(&mut self, ui: &mut Ui, pane: Pane) {
         let scenery = Scenery::of(&self.document, &self.assets, &self.placed, self.play.as_ref());
-        let framed = |ui: &mut Ui, add: &mut dyn FnMut(&mut Ui)| {
-            theme::panel(ui.style()).show(ui, |ui| {
-                ui.set_min_size(ui.available_size());
-                add(ui);
-            });
-        };
         match pane {
             Pane::Scene => {
                 let seen = Seen { document: &self.document, scenery, selection: &self.selection };
-                self.scene.show(ui, &mut self.stage, &seen, &mut self.asks);
+                return self.scene.show(ui, &mut self.stage, &seen, &mut self.asks);
             }
-            Pane::Game => self.game.show(ui, &mut self.stage, &scenery),
-            Pane::Hierarchy => framed(ui, &mut |ui| {
-                self.hierarchy.show(ui, &self.document, &self.selection, &mut self.asks);
-            }),
-            Pane::Inspector => framed(ui, &mut |ui| {
-                self.inspector.show(ui, &self.document, &self.selection, scenery.is_playing, &mut self.asks);
-            }),
-            Pane::Console | Pane::Statistics => framed(ui, &mut |ui| {
-                ui.weak("");
-            }),
+            Pane::Game => return self.game.show(ui, &mut self.stage, &scenery),
+            _ => {}
         }
+        let rect = ui.available_rect_before_wrap();
+        ui.painter().rect_filled(rect, 0.0, ui.visuals().panel_fill);
+        let inner = egui::UiBuilder::new().max_rect(rect.shrink2(egui::vec2(7.0, 6.0)));
+        ui.scope_builder(inner, |ui| match pane {
+            Pane::Hierarchy => {
+                let state = self.state();
+                let tree =
+                    Tree { document: &self.document, selection: &self.selection, state, bindings: &self.bindings };
+                self.hierarchy.show(ui, &tree, &mut self.asks);
+            }
+            Pane::Inspector => {
+                let playing = self.play.is_some();
+                self.inspector.show(ui, &self.document, &self.selection, playing, &mut self.asks);
+            }
+            Pane::Console => self.console.show(ui, &self.log, &mut self.asks),
+            _ => statistics::show(ui, &self.stage, &self.scene.picture, &scenery),
+        });
     }
 
     fn playing(&self) -> Playing {
@@ -138,72 +232,62 @@ impl Editor {
         }
     }
 
-    fn shortcuts(&mut self, ui: &Ui) {
-        let _ = (ui, Key::F);
-    }
-
     fn do_what_was_asked(&mut self, ui: &Ui) {
         let asked = self.asks.take();
         if !asked.is_empty() {
             ui.ctx().request_repaint();
         }
         for ask in asked {
-            self.do_one(ask);
+            self.do_one(ask, ui);
         }
         self.selection.retain_existing(self.document.indexed());
     }
 
-    fn do_one(&mut self, ask: Ask) {
-        match ask {
-            Ask::Commit(edit) => {
-                if let Err(error) = self.document.commit(edit) {
-                    eprintln!("{error}");
-                }
+    fn do_one(&mut self, ask: Ask, ui: &Ui) {
+        let done = match ask {
+            Ask::Commit(edit) => self.document.commit(edit),
+            Ask::End => self.document.end(),
+            Ask::Preview(edit) => {
+                self.document.preview(edit);
+                Ok(())
             }
-            Ask::Preview(edit) => self.document.preview(edit),
-            Ask::End => {
-                if let Err(error) = self.document.end() {
-                    eprintln!("{error}");
-                }
+            Ask::Cancel => {
+                self.document.cancel();
+                Ok(())
             }
-            Ask::Cancel => self.document.cancel(),
-            Ask::Select(ids) => {
-                self.selection.set(ids);
-                if let Some(active) = self.selection.active() {
-                    self.hierarchy.reveal(&self.document, active);
-                }
-            }
-            Ask::Selection(selection) => self.selection = selection,
-            Ask::Frame(ids) => self.frame(&ids),
-            Ask::Rename(id) => self.hierarchy.rename(&self.document, id),
-            Ask::Tool(tool) => self.scene.handling.tool = tool,
-            Ask::Play(play) => self.do_play(play),
+            Ask::Select(ids) => return self.choose_ids(ids),
+            Ask::Selection(selection) => return self.selection = selection,
+            Ask::Frame(ids) => return self.frame(&ids),
+            Ask::Run(command) => return self.run(command, ui),
+            Ask::Reparent { ids, parent, before } => return self.reparent(ids, parent, before),
+        };
+        if let Err(error) = done {
+            self.log.scene_error(&error, self.document.scene());
         }
     }
 
-    fn frame(&mut self, ids: &[EntityId]) {
-        let scenery = Scenery::of(&self.document, &self.assets, &self.placed, self.play.as_ref());
+    pub(crate) fn frame(&mut self, ids: &[EntityId]) {
         let indexed = self.document.indexed();
         let below: std::collections::HashSet<EntityId> =
             ids.iter().flat_map(|id| indexed.subtree(*id)).collect();
-        if let Some((low, high)) = scenery.extent(|entity| below.contains(&entity.id)) {
+        if let Some((low, high)) = self.scenery().extent(|entity| below.contains(&entity.id)) {
             self.scene.camera.frame(low, high);
         }
     }
 
-    fn do_play(&mut self, ask: PlayAsk) {
-        match (ask, &mut self.play) {
-            (PlayAsk::Start, None) => {
+    pub(crate) fn run_play(&mut self, command: Command) {
+        match (command, &mut self.play) {
+            (Command::Play, None) => {
                 self.document.cancel();
                 self.play = Some(Play::of(self.document.scene(), &self.assets));
                 layout::reveal(&mut self.layout, Pane::Game);
             }
-            (PlayAsk::Stop, Some(_)) => {
+            (Command::Play, Some(_)) => {
                 self.play = None;
                 layout::reveal(&mut self.layout, Pane::Scene);
             }
-            (PlayAsk::Pause(paused), Some(play)) => play.pause(paused),
-            (PlayAsk::Step, Some(play)) => play.step(),
+            (Command::Pause, Some(play)) => play.pause(!play.is_paused()),
+            (Command::Step, Some(play)) => play.step(),
             _ => {}
         }
     }
@@ -217,35 +301,9 @@ impl Editor {
             self.title = title;
         }
     }
-}
 
-impl eframe::App for Editor {
-    fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
-        Editor::ui(self, ui);
+    /// As the window's title says it.
+    pub fn title(&self) -> &str {
+        &self.title
     }
-}
-
-/// A device as the engine needs it; all that eframe asks for by itself is a part of that.
-pub fn wgpu_setup(mut setup: WgpuSetupCreateNew) -> WgpuSetup {
-    setup.device_descriptor = Arc::new(Gpu::descriptor);
-    WgpuSetup::CreateNew(setup)
-}
-
-/// Opens a window and stays until it is closed.
-pub fn run(opened: Opened) -> eframe::Result {
-    let mut wgpu_options = WgpuConfiguration::default();
-    if let WgpuSetup::CreateNew(setup) = wgpu_options.wgpu_setup {
-        wgpu_options.wgpu_setup = wgpu_setup(setup);
-    }
-    let viewport = egui::ViewportBuilder::default()
-        .with_title("Hohlraum")
-        .with_app_id("hohlraum")
-        .with_inner_size([1440.0, 860.0])
-        .with_min_inner_size([720.0, 420.0]);
-    let options = eframe::NativeOptions { viewport, wgpu_options, ..Default::default() };
-    let create = |cc: &eframe::CreationContext<'_>| {
-        let state = cc.wgpu_render_state.as_ref().ok_or("the window has no GPU")?;
-        Ok(Box::new(Editor::new(&cc.egui_ctx, state, opened)?) as Box<dyn eframe::App>)
-    };
-    eframe::run_native("hohlraum", options, Box::new(create))
 }

@@ -3,8 +3,8 @@
 
 use engine::scene::EntityId;
 
+use crate::command::Command;
 use crate::edit::Edit;
-use crate::gizmo::Tool;
 use crate::selection::Selection;
 
 #[derive(Clone, Debug, PartialEq)]
@@ -21,17 +21,9 @@ pub enum Ask {
     Selection(Selection),
     /// The scene view goes there.
     Frame(Vec<EntityId>),
-    Rename(EntityId),
-    Tool(Tool),
-    Play(PlayAsk),
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PlayAsk {
-    Start,
-    Stop,
-    Pause(bool),
-    Step,
+    Run(Command),
+    /// Under a parent, before one of its children or as the last.
+    Reparent { ids: Vec<EntityId>, parent: Option<EntityId>, before: Option<EntityId> },
 }
 
 #[derive(Default)]

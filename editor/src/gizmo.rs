@@ -76,6 +76,17 @@ impl Default for Steps {
     }
 }
 
+impl Steps {
+    /// Within what makes sense.
+    pub fn times(self, factor: f64) -> Self {
+        Self {
+            metres: (self.metres * factor).clamp(1e-3, 100.0),
+            degrees: (self.degrees * factor).clamp(0.1, 90.0),
+            scale: (self.scale * factor).clamp(1e-3, 10.0),
+        }
+    }
+}
+
 pub fn handles(tool: Tool) -> &'static [Handle] {
     match tool {
         Tool::View => &[],

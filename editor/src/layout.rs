@@ -81,6 +81,17 @@ pub fn close(layout: &mut Layout, pane: Pane) {
     }
 }
 
+/// As preferences hold it. `None`: it cannot be written.
+pub fn written(layout: &Layout) -> Option<String> {
+    ron::to_string(layout).ok()
+}
+
+/// `None`: it is no layout of this editor, or it lacks the scene view.
+pub fn read(text: &str) -> Option<Layout> {
+    let layout: Layout = ron::from_str(text).ok()?;
+    is_open(&layout, Pane::Scene).then_some(layout)
+}
+
 /// Draws panels into their places.
 pub struct Docks<'a> {
     pub show: &'a mut dyn FnMut(&mut Ui, Pane),
@@ -153,5 +164,13 @@ mod tests {
             reveal(&mut layout, pane);
             assert!(is_open(&layout, pane), "{pane:?}");
         }
+    }
+
+    #[test]
+    fn a_layout_is_read_as_it_was_written() {
+        let layout = default_layout();
+        let text = written(&layout).unwrap();
+        assert_eq!(read(&text).and_then(|read| written(&read)), Some(text));
+        assert!(read("nonsense").is_none());
     }
 }

@@ -1,9 +1,11 @@
 //! Rows of the inspector: a name on the left with a tooltip, a widget on the right, all of one height and one edge.
 
 use eframe::egui;
-use egui::{CollapsingHeader, Color32, DragValue, Id, Response, RichText, Ui, vec2};
+use egui::collapsing_header::CollapsingState;
+use egui::{Color32, DragValue, Rect, Response, RichText, Sense, Ui, WidgetInfo, WidgetType, vec2};
 
 use super::arithmetic::{self, Unit};
+use crate::icons::{self, Icon};
 use crate::theme;
 
 /// What came of a field: a new value, and whether the pull at it is over.
@@ -129,19 +131,58 @@ fn axis_color(ui: &Ui, axis: usize) -> Color32 {
     if ui.visuals().dark_mode { color } else { color.lerp_to_gamma(Color32::BLACK, 0.3) }
 }
 
-/// A component with its fields, which can be folded.
-pub fn section(ui: &mut Ui, icon: crate::icons::Icon, name: &str, fields: impl FnOnce(&mut Ui)) {
+/// A component with its fields, which can be folded. `remove`: the tooltip of the button that takes it off. Returns whether
+/// that was pressed.
+pub fn section(ui: &mut Ui, icon: Icon, name: &str, remove: Option<&str>, fields: impl FnOnce(&mut Ui)) -> bool {
     let line = theme::line(ui.visuals());
-    let top = ui.available_rect_before_wrap().left_top();
-    ui.painter().hline(top.x..=top.x + ui.available_width(), top.y, egui::Stroke::new(1.0, line));
-    ui.add_space(4.0);
-    let _ = icon;
-    CollapsingHeader::new(RichText::new(name).strong())
-        .id_salt(Id::unique(("component", name)))
-        .default_open(true)
-        .show_unindented(ui, |ui| {
-            ui.spacing_mut().item_spacing.y = 3.0;
-            fields(ui);
-            ui.add_space(4.0);
-        });
+    let left = ui.cursor().left_top();
+    ui.painter().hline(left.x..=left.x + ui.available_width(), left.y, egui::Stroke::new(1.0, line));
+    ui.add_space(5.0);
+    let id = ui.make_persistent_id(("component", name));
+    let mut state = CollapsingState::load_with_default_open(ui.ctx(), id, true);
+    let mut removed = false;
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        let width = ui.available_width() - if remove.is_some() { 24.0 } else { 0.0 };
+        let (rect, head) = ui.allocate_exact_size(vec2(width, theme::ROW - 2.0), Sense::click());
+        head.widget_info(|| WidgetInfo::labeled(WidgetType::CollapsingHeader, true, name));
+        paint_head(ui, rect, &head, state.is_open(), icon, name);
+        if head.clicked() {
+            state.toggle(ui);
+        }
+        if let Some(tooltip) = remove {
+            removed = small_button(ui, Icon::Close, tooltip).clicked();
+        }
+    });
+    state.show_body_unindented(ui, |ui| {
+        ui.spacing_mut().item_spacing.y = 3.0;
+        fields(ui);
+        ui.add_space(5.0);
+    });
+    state.store(ui.ctx());
+    removed
+}
+
+fn paint_head(ui: &Ui, rect: Rect, head: &Response, open: bool, icon: Icon, name: &str) {
+    let color = if head.hovered() { ui.visuals().strong_text_color() } else { ui.visuals().text_color() };
+    let c = rect.left_center() + vec2(6.0, 0.0);
+    let points = match open {
+        true => vec![c + vec2(-4.0, -2.0), c + vec2(4.0, -2.0), c + vec2(0.0, 3.0)],
+        false => vec![c + vec2(-2.0, -4.0), c + vec2(3.0, 0.0), c + vec2(-2.0, 4.0)],
+    };
+    ui.painter().add(egui::Shape::convex_polygon(points, theme::weak(ui.visuals()), egui::Stroke::NONE));
+    let place = Rect::from_center_size(rect.left_center() + vec2(23.0, 0.0), vec2(16.0, 16.0));
+    icons::paint_scaled(ui.painter(), place, icon, color, 0.85);
+    let font = egui::FontId::proportional(13.5);
+    let color = ui.visuals().strong_text_color();
+    ui.painter().text(rect.left_center() + vec2(37.0, 0.0), egui::Align2::LEFT_CENTER, name, font, color);
+}
+
+/// A picture without a frame, for the end of a row; `name` is its tooltip too.
+pub fn small_button(ui: &mut Ui, icon: Icon, name: &str) -> Response {
+    let (rect, response) = ui.allocate_exact_size(vec2(18.0, theme::ROW - 2.0), Sense::click());
+    response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, ui.is_enabled(), name));
+    let color = if response.hovered() { ui.visuals().strong_text_color() } else { theme::weak(ui.visuals()) };
+    icons::paint_scaled(ui.painter(), rect, icon, color, 0.7);
+    response.on_hover_text(name)
 }

@@ -1,8 +1,16 @@
 //! The inspector: what is selected, component by component, one file each. Where several entities are selected, a field
 //! shows what they have in common, and setting it sets it for all of them.
 
+mod add;
 pub mod arithmetic;
+mod camera;
+mod colour;
 mod fields;
+mod light;
+mod material;
+mod mesh;
+mod probes;
+mod sky;
 mod subject;
 mod transform;
 
@@ -27,11 +35,6 @@ pub struct Inspector {
 impl Inspector {
     pub fn show(&mut self, ui: &mut Ui, document: &Document, selection: &Selection, playing: bool, asks: &mut Asks) {
         let entities: Vec<&Entity> = selection.ids().iter().filter_map(|id| document.entity(*id)).collect();
-        if entities.is_empty() {
-            ui.add_space(16.0);
-            ui.vertical_centered(|ui| ui.weak("Nothing is selected"));
-            return;
-        }
         if playing {
             ui.horizontal(|ui| {
                 icons::label(ui, icons::Icon::Play, theme::accent(ui.visuals()));
@@ -40,9 +43,15 @@ impl Inspector {
             ui.add_space(4.0);
         }
         ui.add_enabled_ui(!playing, |ui| {
-            self.head(ui, &entities, asks);
-            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                transform::show(ui, &entities, asks);
+            if entities.is_empty() {
+                ui.weak("Nothing is selected. This is the scene's:");
+                ui.add_space(4.0);
+            } else {
+                self.head(ui, &entities, asks);
+            }
+            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| match entities.is_empty() {
+                true => sky::show(ui, document, asks),
+                false => components(ui, document, &entities, asks),
             });
         });
     }
@@ -89,4 +98,15 @@ impl Inspector {
             self.name = Some((ids, text));
         }
     }
+}
+
+fn components(ui: &mut Ui, document: &Document, entities: &[&Entity], asks: &mut Asks) {
+    transform::show(ui, entities, asks);
+    mesh::show(ui, document, entities, asks);
+    light::show(ui, entities, asks);
+    camera::show(ui, entities, asks);
+    probes::light_probes(ui, entities, asks);
+    probes::reflection_probe(ui, entities, asks);
+    material::show(ui, document, entities, asks);
+    add::show(ui, entities, asks);
 }

@@ -31,6 +31,12 @@ impl<'a, C: Clone> Subject<'a, EntityId, C> {
         };
         Self { items, edit: Box::new(edit), asks }
     }
+
+    /// All of them lose it; `none` is the field without it.
+    pub fn remove(&mut self, none: Field) {
+        let fields = self.items.iter().map(|(id, _)| (*id, none.clone()));
+        self.asks.push(Ask::Commit(Edit::several("Remove component", [Edit::Set(fields.collect())])));
+    }
 }
 
 impl<'a, K: Clone, C: Clone> Subject<'a, K, C> {

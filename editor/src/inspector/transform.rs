@@ -12,7 +12,7 @@ use crate::icons::Icon;
 
 pub fn show<'a>(ui: &mut Ui, entities: &[&'a Entity], asks: &'a mut Asks) {
     let mut of = Subject::component(entities, |e| Some(&e.transform), |t| Field::Transform(Box::new(t)), asks);
-    section(ui, Icon::Empty, "Transform", |ui| {
+    section(ui, Icon::Empty, "Transform", None, |ui| {
         of.vector(
             ui,
             ("Position", "Of its origin in its parent, metres. Try 2*3+0.5 or 30cm"),

@@ -9,7 +9,9 @@ use eframe::egui;
 use egui::{ScrollArea, Ui, vec2};
 use engine::scene::{Entity, EntityId};
 
+use super::menu;
 use crate::ask::{Ask, Asks};
+use crate::command::{Bindings, State};
 use crate::document::Document;
 use crate::icons::{self, Icon};
 use crate::selection::{Click, Selection};
@@ -58,6 +60,9 @@ pub struct Row {
     pub has_children: bool,
 }
 
+/// What is dragged in the tree.
+struct Dragged(Vec<EntityId>);
+
 #[derive(Default)]
 pub struct Hierarchy {
     search: String,
@@ -74,10 +79,19 @@ pub struct Hierarchy {
     folds: usize,
 }
 
+/// What the tree is drawn of.
+pub struct Tree<'a> {
+    pub document: &'a Document,
+    pub selection: &'a Selection,
+    /// For the menu on a right click.
+    pub state: State,
+    pub bindings: &'a Bindings,
+}
+
 impl Hierarchy {
-    pub fn show(&mut self, ui: &mut Ui, document: &Document, selection: &Selection, asks: &mut Asks) {
+    pub fn show(&mut self, ui: &mut Ui, tree: &Tree<'_>, asks: &mut Asks) {
         self.search_bar(ui);
-        self.find_rows(document);
+        self.find_rows(tree.document);
         let height = theme::ROW - 2.0;
         ui.spacing_mut().item_spacing.y = 0.0;
         let mut area = ScrollArea::vertical().auto_shrink(false);
@@ -94,11 +108,30 @@ impl Hierarchy {
         area.show_rows(ui, height, rows, |ui, range| {
             for at in range {
                 let row = self.rows[at];
-                if let Some(entity) = document.entity(row.id) {
-                    self.row(ui, row, entity, document, selection, asks);
+                if let Some(entity) = tree.document.entity(row.id) {
+                    self.row(ui, row, entity, tree, asks);
                 }
             }
+            self.beside(ui, tree, asks);
         });
+    }
+
+    /// The room under the last row: a click selects nothing, a right click offers to create, what is dropped there stands
+    /// under nothing.
+    fn beside(&self, ui: &mut Ui, tree: &Tree<'_>, asks: &mut Asks) {
+        let rect = ui.clip_rect();
+        let below = egui::Rect::from_min_max(egui::pos2(rect.left(), ui.min_rect().bottom()), rect.max);
+        if below.height() < 4.0 {
+            return;
+        }
+        let response = ui.interact(below, ui.id().with("beside"), egui::Sense::click());
+        if response.clicked() {
+            asks.push(Ask::Select(Vec::new()));
+        }
+        if let Some(dropped) = response.dnd_release_payload::<Dragged>() {
+            asks.push(Ask::Reparent { ids: dropped.0.clone(), parent: None, before: None });
+        }
+        response.context_menu(|ui| menu::context(ui, &tree.state, tree.bindings, asks));
     }
 
     /// Unfolds all that stands above an entity and brings it into sight.

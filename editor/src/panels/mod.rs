@@ -1,7 +1,13 @@
 //! The panels: one file each. They read the document and ask for edits; none of them changes anything but how it looks
 //! itself.
 
+pub mod console;
 pub mod game;
 pub mod hierarchy;
+pub mod menu;
+pub mod open;
+pub mod palette;
 pub mod scene;
+pub mod statistics;
+pub mod status;
 pub mod toolbar;

@@ -1,18 +1,19 @@
 //! The bar under the menus: tools, how they stand, play.
 
 use eframe::egui;
-use egui::{Layout, Ui, vec2};
+use egui::{Ui, vec2};
 
 use super::scene::Handling;
-use crate::ask::{Ask, Asks, PlayAsk};
+use crate::ask::{Ask, Asks};
+use crate::command::Command;
 use crate::gizmo::Tool;
 use crate::icons::{self, Icon};
 
-const TOOLS: [(Tool, Icon, &str, &str); 4] = [
-    (Tool::View, Icon::View, "View", "Look and select only (Q)"),
-    (Tool::Move, Icon::Move, "Move", "Move what is selected (W)"),
-    (Tool::Rotate, Icon::Rotate, "Rotate", "Turn what is selected (E)"),
-    (Tool::Scale, Icon::Scale, "Scale", "Scale what is selected (R)"),
+const TOOLS: [(Tool, Command, Icon, &str, &str); 4] = [
+    (Tool::View, Command::ToolSelect, Icon::View, "Select", "Look and select, nothing else (Q)"),
+    (Tool::Move, Command::ToolMove, Icon::Move, "Move", "Move what is selected (W)"),
+    (Tool::Rotate, Command::ToolRotate, Icon::Rotate, "Rotate", "Turn what is selected (E)"),
+    (Tool::Scale, Command::ToolScale, Icon::Scale, "Scale", "Scale what is selected (R)"),
 ];
 
 /// What of playing the buttons show.
@@ -32,14 +33,13 @@ pub fn show(ui: &mut Ui, handling: &mut Handling, playing: Playing, asks: &mut A
         let left = (room - width) * 0.5 - ui.min_rect().width();
         ui.add_space(left.max(8.0));
         play(ui, playing, asks);
-        ui.with_layout(Layout::right_to_left(egui::Align::Center), |_| {});
     });
 }
 
 fn tools(ui: &mut Ui, handling: &mut Handling, asks: &mut Asks) {
-    for (tool, icon, name, tooltip) in TOOLS {
+    for (tool, command, icon, name, tooltip) in TOOLS {
         if icons::button(ui, icon, name, tooltip, handling.tool == tool).clicked() {
-            asks.push(Ask::Tool(tool));
+            asks.push(Ask::Run(command));
         }
     }
     gap(ui);
@@ -88,15 +88,15 @@ fn play(ui: &mut Ui, playing: Playing, asks: &mut Asks) {
     let (icon, name) = if runs { (Icon::Stop, "Stop") } else { (Icon::Play, "Play") };
     let tooltip = "The scene comes alive; stopping brings back exactly what you made (F5)";
     if icons::button(ui, icon, name, tooltip, runs).clicked() {
-        asks.push(Ask::Play(if runs { PlayAsk::Stop } else { PlayAsk::Start }));
+        asks.push(Ask::Run(Command::Play));
     }
     ui.add_enabled_ui(runs, |ui| {
         let paused = playing == Playing::Paused;
-        if icons::button(ui, Icon::Pause, "Pause", "Time stands still (F7)", paused).clicked() {
-            asks.push(Ask::Play(PlayAsk::Pause(!paused)));
+        if icons::button(ui, Icon::Pause, "Pause", "Time stands still (F6)", paused).clicked() {
+            asks.push(Ask::Run(Command::Pause));
         }
-        if icons::button(ui, Icon::Step, "Step", "One picture on, then time stands still (F8)", false).clicked() {
-            asks.push(Ask::Play(PlayAsk::Step));
+        if icons::button(ui, Icon::Step, "Step", "One picture on, then time stands still (F7)", false).clicked() {
+            asks.push(Ask::Run(Command::Step));
         }
     });
 }

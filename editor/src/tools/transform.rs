@@ -60,6 +60,27 @@ fn changed(start: &Start, stand: &Stand, change: &Change, own: bool) -> Transfor
     new
 }
 
+/// An entity stands at a place of the world and is turned so, whatever its parent is.
+pub fn placed(document: &Document, id: EntityId, place: DVec3, turn: DQuat) -> Edit {
+    let set = |start: &Start| {
+        let mut new = start.authored;
+        new.translation = start.world_from_parent.inverse().transform_point3(place);
+        new.rotation = (rotation_of(&start.world_from_parent).inverse() * turn).normalize();
+        (start.id, Field::Transform(Box::new(new)))
+    };
+    Edit::Set(starts(document, &[id]).iter().map(set).collect())
+}
+
+/// What is chosen goes this way (metres, world).
+pub fn moved(document: &Document, ids: &[EntityId], way: impl Fn(EntityId) -> Option<DVec3>) -> Edit {
+    let stand = Stand { origin: DVec3::ZERO, axes: DQuat::IDENTITY };
+    let set = |start: &Start| {
+        let new = changed(start, &stand, &Change::Move(way(start.id)?), false);
+        Some((start.id, Field::Transform(Box::new(new))))
+    };
+    Edit::Set(starts(document, ids).iter().filter_map(set).collect())
+}
+
 /// Without scale and shear.
 pub fn rotation_of(world: &DAffine3) -> DQuat {
     let m = world.matrix3;

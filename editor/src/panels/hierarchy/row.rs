@@ -1,15 +1,14 @@
 //! One row: fold, icon, name, and whether it is shown.
 
 use eframe::egui;
-use egui::{Align2, FontId, Key, Rect, Response, Sense, Ui, Vec2, WidgetInfo, WidgetType, pos2, vec2};
+use egui::{Align2, FontId, Key, Rect, Response, Sense, Stroke, Ui, Vec2, WidgetInfo, WidgetType, pos2, vec2};
 use engine::scene::Entity;
 
-use super::{Hierarchy, Row, icon, small_icon};
+use super::{Dragged, Hierarchy, Row, Tree, icon, small_icon};
+use super::super::menu;
 use crate::ask::{Ask, Asks};
-use crate::document::Document;
 use crate::edit::{Edit, Field};
 use crate::icons::Icon;
-use crate::selection::Selection;
 use crate::theme;
 
 const INDENT: f32 = 14.0;
@@ -20,10 +19,10 @@ impl Hierarchy {
         ui: &mut Ui,
         row: Row,
         entity: &Entity,
-        document: &Document,
-        selection: &Selection,
+        tree: &Tree<'_>,
         asks: &mut Asks,
     ) {
+        let Tree { document, selection, .. } = *tree;
         let size = vec2(ui.available_width(), theme::ROW - 2.0);
         let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
         let id = ui.id().with(("row", entity.id.0));
@@ -57,6 +56,37 @@ impl Hierarchy {
         if response.double_clicked() {
             asks.push(Ask::Frame(vec![entity.id]));
         }
+        if response.secondary_clicked() && !selected {
+            asks.push(Ask::Select(vec![entity.id]));
+        }
+        self.drag(ui, rect, &response, entity, tree, asks);
+        response.context_menu(|ui| menu::context(ui, &tree.state, tree.bindings, asks));
+    }
+
+    /// What is dragged is dropped before a row at its upper edge, behind it at its lower edge, and into it between.
+    fn drag(&self, ui: &Ui, rect: Rect, response: &Response, entity: &Entity, tree: &Tree<'_>, asks: &mut Asks) {
+        let ids = if tree.selection.contains(entity.id) { tree.selection.ids().to_vec() } else { vec![entity.id] };
+        response.dnd_set_drag_payload(Dragged(ids));
+        let Some(at) = ui.input(|input| input.pointer.hover_pos()) else { return };
+        if response.dnd_hover_payload::<Dragged>().is_none() {
+            return;
+        }
+        let share = (at.y - rect.top()) / rect.height();
+        let accent = Stroke::new(2.0, theme::accent(ui.visuals()));
+        match share {
+            ..0.25 => drop(ui.painter().hline(rect.x_range(), rect.top(), accent)),
+            0.75.. => drop(ui.painter().hline(rect.x_range(), rect.bottom(), accent)),
+            _ => drop(ui.painter().rect_stroke(rect, 3.0, accent, egui::StrokeKind::Inside)),
+        }
+        let Some(dropped) = response.dnd_release_payload::<Dragged>() else { return };
+        let siblings = tree.document.children(entity.parent);
+        let next = siblings.iter().position(|id| *id == entity.id).and_then(|own| siblings.get(own + 1)).copied();
+        let (parent, before) = match share {
+            ..0.25 => (entity.parent, Some(entity.id)),
+            0.75.. => (entity.parent, next),
+            _ => (Some(entity.id), None),
+        };
+        asks.push(Ask::Reparent { ids: dropped.0.clone(), parent, before });
     }
 
     fn fold_button(&mut self, ui: &Ui, rect: Rect, entity: &Entity) {

@@ -1,0 +1,141 @@
+//! Leaving a document: for another project, or for good. What is not saved is asked about first.
+
+use std::path::PathBuf;
+use std::sync::mpsc;
+
+use eframe::egui;
+use egui::{Modal, RichText, Ui, ViewportCommand};
+use engine::render::Settings;
+
+use super::Editor;
+use crate::ask::Ask;
+use crate::command::Command;
+use crate::log::Source;
+use crate::opened::Opened;
+use crate::panels::game::GameView;
+use crate::panels::hierarchy::Hierarchy;
+use crate::panels::scene::SceneView;
+use crate::scenery::{AsBaked, Placed};
+use crate::selection::Selection;
+use crate::viewport::Stage;
+
+/// What comes after the document is left.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Then {
+    Quit,
+    Open(PathBuf),
+}
+
+impl Editor {
+    pub(crate) fn ask_for_project(&mut self) {
+        self.open.open(&self.preferences);
+    }
+
+    pub(super) fn dialogs(&mut self, ui: &mut Ui) {
+        let wants_to_close = ui.input(|input| input.viewport().close_requested());
+        if wants_to_close && self.document.is_dirty() && self.leaving != Some(Then::Quit) {
+            ui.ctx().send_viewport_cmd(ViewportCommand::CancelClose);
+            self.leaving = Some(Then::Quit);
+        }
+        if let Some(project) = self.open.show(ui) {
+            if self.document.is_dirty() {
+                self.leaving = Some(Then::Open(project));
+            } else {
+                self.load(project);
+            }
+        }
+        self.confirm(ui);
+        self.take_loaded(ui);
+    }
+
+    fn confirm(&mut self, ui: &Ui) {
+        let Some(then) = self.leaving.clone() else { return };
+        let mut answer = None;
+        let modal = Modal::new(egui::Id::unique("unsaved")).show(ui.ctx(), |ui| {
+            ui.set_width(360.0);
+            ui.label(RichText::new(format!("Save `{}` first?", self.document.name())).heading());
+            ui.add_space(6.0);
+            ui.label("It has changes that are not saved.");
+            ui.add_space(12.0);
+            ui.horizontal(|ui| {
+                for choice in ["Save", "Discard", "Cancel"] {
+                    if ui.add(egui::Button::new(choice).min_size(egui::vec2(84.0, 24.0))).clicked() {
+                        answer = Some(choice);
+                    }
+                }
+            });
+        });
+        match answer {
+            Some("Save") => {
+                self.do_one(Ask::Run(Command::Save), ui);
+                self.leaving = None;
+                if !self.document.is_dirty() {
+                    self.leave(then, ui);
+                }
+            }
+            Some("Discard") => self.leave(then, ui),
+            Some(_) => self.leaving = None,
+            None if modal.should_close() => self.leaving = None,
+            None => {}
+        }
+    }
+
+    fn leave(&mut self, then: Then, ui: &Ui) {
+        match then {
+            // Stays what it is, so that the window is not asked about again.
+            Then::Quit => {
+                self.leaving = Some(Then::Quit);
+                ui.ctx().send_viewport_cmd(ViewportCommand::Close);
+            }
+            Then::Open(project) => {
+                self.leaving = None;
+                self.load(project);
+            }
+        }
+    }
+
+    /// On a thread of its own: files are read, and a bake may be large.
+    fn load(&mut self, project: PathBuf) {
+        let (sender, receiver) = mpsc::channel();
+        self.log.info(format!("Opening {}", project.display()));
+        self.loading = Some(receiver);
+        std::thread::spawn(move || {
+            let opened = Opened::load(&project, None).map_err(|error| bake::chain::told(&error));
+            // Nobody waits any more where the editor is gone.
+            let _ = sender.send(opened);
+        });
+    }
+
+    fn take_loaded(&mut self, ui: &Ui) {
+        let Some(receiver) = &self.loading else { return };
+        match receiver.try_recv() {
+            Ok(Ok(opened)) => self.replace(opened, ui),
+            Ok(Err(error)) => self.log.error(Source::Nothing, error),
+            Err(mpsc::TryRecvError::Empty) => {
+                return ui.ctx().request_repaint_after(std::time::Duration::from_millis(50));
+            }
+            Err(mpsc::TryRecvError::Disconnected) => {
+                self.log.error(Source::Nothing, "the project could not be opened: see the terminal");
+            }
+        }
+        self.loading = None;
+    }
+
+    fn replace(&mut self, opened: Opened, ui: &Ui) {
+        let Opened { document, assets, transport, cubemaps, unlimited_gain, warnings } = opened;
+        let settings = Settings { unlimited_gain, ..Settings::default() };
+        match Stage::new(&self.state, transport.clone(), &assets, settings) {
+            Ok(stage) => self.stage = stage,
+            Err(error) => return self.log.error(Source::Nothing, error.to_string()),
+        }
+        self.stage.renderer.give_cubemaps(cubemaps);
+        self.baked = AsBaked::of(document.scene(), &assets, &transport);
+        (self.document, self.assets) = (document, assets);
+        (self.play, self.placed) = (None, Placed::default());
+        (self.selection, self.hierarchy) = (Selection::default(), Hierarchy::default());
+        let handling = self.scene.handling;
+        (self.scene, self.game) = (SceneView { handling, ..SceneView::default() }, GameView::default());
+        warnings.into_iter().for_each(|warning| self.log.warning(Source::Nothing, warning));
+        self.arrived(ui.ctx());
+    }
+}

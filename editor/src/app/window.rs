@@ -1,0 +1,48 @@
+//! The window, and the device that it shares with the engine.
+
+use std::sync::Arc;
+
+use eframe::egui;
+use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
+use egui::Ui;
+use engine::gpu::Gpu;
+
+use super::Editor;
+use crate::opened::Opened;
+use crate::recent;
+
+impl eframe::App for Editor {
+    fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
+        Editor::ui(self, ui);
+    }
+
+    fn on_exit(&mut self) {
+        self.keep_preferences();
+    }
+}
+
+/// A device as the engine needs it; all that eframe asks for by itself is a part of that.
+pub fn wgpu_setup(mut setup: WgpuSetupCreateNew) -> WgpuSetup {
+    setup.device_descriptor = Arc::new(Gpu::descriptor);
+    WgpuSetup::CreateNew(setup)
+}
+
+/// Opens a window and stays until it is closed.
+pub fn run(opened: Opened) -> eframe::Result {
+    let mut wgpu_options = WgpuConfiguration::default();
+    if let WgpuSetup::CreateNew(setup) = wgpu_options.wgpu_setup {
+        wgpu_options.wgpu_setup = wgpu_setup(setup);
+    }
+    let viewport = egui::ViewportBuilder::default()
+        .with_title("Hohlraum")
+        .with_app_id("hohlraum")
+        .with_inner_size([1440.0, 860.0])
+        .with_min_inner_size([720.0, 420.0]);
+    let options = eframe::NativeOptions { viewport, wgpu_options, ..Default::default() };
+    let create = |cc: &eframe::CreationContext<'_>| {
+        let state = cc.wgpu_render_state.as_ref().ok_or("the window has no GPU")?;
+        let editor = Editor::new(&cc.egui_ctx, state, opened, recent::folder())?;
+        Ok(Box::new(editor) as Box<dyn eframe::App>)
+    };
+    eframe::run_native("hohlraum", options, Box::new(create))
+}
