@@ -8,7 +8,8 @@ use editor::primitives::{self, Primitive};
 use engine::scene::assets::Assets;
 use engine::scene::file::{Quality, text_of_scene};
 use engine::scene::{
-    Density, Entity, EntityId, Light, LightProbeGroup, Material, MaterialId, MeshSource, Motion, Scene, Transform, shape,
+    Density, Entity, EntityId, Light, LightProbeGroup, Material, MaterialId, MeshSource, Motion, Scene,
+    Transform, shape,
 };
 use engine::transport::key::{BakeWith, Input, inputs};
 use glam::{DQuat, DVec3, Vec3};
@@ -46,14 +47,20 @@ fn edit(document: &mut Document, (kind, a, b, x): Choice) -> Edit {
         2 => set(Field::Static(b % 2 == 0)),
         3 => set(Field::Hidden(b % 2 == 0)),
         4 => set(Field::Light((b % 3 > 0).then(Box::default))),
-        5 => set(Field::LightProbes((b % 2 > 0).then(|| Box::new(LightProbeGroup { positions: vec![Vec3::X] })))),
-        6 => set(Field::Density(Box::new(Density { scale: 2.0, painted: vec![x as f32; (b % 50) as usize] }))),
-        7 => set(Field::Motion((b % 2 > 0).then(|| {
-            Box::new(Motion::Spin { axis: DVec3::Y, radians_per_second: x })
-        }))),
+        5 => set(Field::LightProbes(
+            (b % 2 > 0).then(|| Box::new(LightProbeGroup { positions: vec![Vec3::X] })),
+        )),
+        6 => {
+            set(Field::Density(Box::new(Density { scale: 2.0, painted: vec![x as f32; (b % 50) as usize] })))
+        }
+        7 => set(Field::Motion(
+            (b % 2 > 0).then(|| Box::new(Motion::Spin { axis: DVec3::Y, radians_per_second: x })),
+        )),
         8 => tree::delete(document.indexed(), &[one, other]).0,
-        9 | 10 => tree::reparent(document.indexed(), &[one], Some(other), None).map_or(Edit::Set(vec![]), |made| made.0),
-        11 => tree::reparent(document.indexed(), &[one], None, Some(other)).map_or(Edit::Set(vec![]), |made| made.0),
+        9 | 10 => tree::reparent(document.indexed(), &[one], Some(other), None)
+            .map_or(Edit::Set(vec![]), |made| made.0),
+        11 => tree::reparent(document.indexed(), &[one], None, Some(other))
+            .map_or(Edit::Set(vec![]), |made| made.0),
         12 if document.scene().entities.len() < 60 => {
             let first = document.new_entity_id().0 + 1000 * a;
             let mut next = first;
@@ -73,7 +80,10 @@ fn edit(document: &mut Document, (kind, a, b, x): Choice) -> Edit {
         15 => {
             let id = document.new_material_id();
             let new = Material { id, name: format!("m{b}"), ..Material::default() };
-            Edit::several("Assign", [Edit::InsertMaterials(vec![(b as usize % 3, new)]), set(Field::Materials(vec![id]))])
+            Edit::several(
+                "Assign",
+                [Edit::InsertMaterials(vec![(b as usize % 3, new)]), set(Field::Materials(vec![id]))],
+            )
         }
         16 => Edit::RemoveMaterials(vec![MaterialId(b as u32 % 5)]),
         _ => {
@@ -188,7 +198,13 @@ fn no_edit_that_the_baker_minds_is_called_free() {
 fn crowd(many: u64) -> Scene {
     let light = |id: u64| (id % 3 == 0).then(Light::default);
     let parent = |id: u64| (id / 10 > 0).then_some(EntityId(id / 10));
-    let entity = |id| Entity { id: EntityId(id), name: format!("entity {id}"), parent: parent(id), light: light(id), ..Entity::default() };
+    let entity = |id| Entity {
+        id: EntityId(id),
+        name: format!("entity {id}"),
+        parent: parent(id),
+        light: light(id),
+        ..Entity::default()
+    };
     Scene { entities: (1..=many).map(entity).collect(), ..Scene::default() }
 }
 
@@ -210,10 +226,26 @@ fn a_step_in_a_scene_of_five_thousand_holds_what_it_changed_and_no_more() {
     assert!(step(&|_| Edit::set(id, Field::Transform(Box::new(Transform::at(DVec3::X))))) < 500);
     assert!(step(&|_| Edit::set(id, Field::Light(Some(Box::default())))) < 500);
     assert!(step(&|document| tree::delete(document.indexed(), &[id]).0) < 3000);
-    assert!(step(&|document| tree::reparent(document.indexed(), &[EntityId(4000)], Some(EntityId(3)), None).unwrap().0) < 1000);
-    assert!(step(&|document| tree::reparent(document.indexed(), &[EntityId(4000)], Some(EntityId(3)), Some(EntityId(30))).unwrap().0) < 1000);
+    assert!(
+        step(&|document| tree::reparent(document.indexed(), &[EntityId(4000)], Some(EntityId(3)), None)
+            .unwrap()
+            .0)
+            < 1000
+    );
+    assert!(
+        step(&|document| tree::reparent(
+            document.indexed(),
+            &[EntityId(4000)],
+            Some(EntityId(3)),
+            Some(EntityId(30))
+        )
+        .unwrap()
+        .0) < 1000
+    );
     let all: Vec<EntityId> = (1..=5000).map(EntityId).collect();
-    assert!(step(&|_| Edit::Set(all.iter().map(|id| (*id, Field::Hidden(true))).collect())) < scene_bytes / 10);
+    assert!(
+        step(&|_| Edit::Set(all.iter().map(|id| (*id, Field::Hidden(true))).collect())) < scene_bytes / 10
+    );
     assert_eq!(size_of::<Edit>().next_power_of_two(), 64);
     assert!(size_of::<Field>() <= 40);
 }

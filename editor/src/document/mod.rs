@@ -3,7 +3,10 @@
 //! Every edit is checked ([`engine::scene::Scene::validate`]) before it becomes a step of the history: what a scene
 //! file could not hold is refused, and the scene stays as it was. A drag is many previews and one step.
 
+mod disk;
 mod file;
+mod notes;
+mod tick;
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +15,12 @@ use glam::DAffine3;
 
 use crate::edit::{Edit, IndexedScene, Stale};
 use crate::history::{History, Step};
-pub use file::{Changed, SaveError};
+use crate::recovery::Recovery;
+use crate::watch::Stamp;
+use disk::Disk;
+pub use file::SaveError;
+use notes::Notes;
+pub use tick::Event;
 
 pub struct Document {
     project: PathBuf,
@@ -29,8 +37,19 @@ pub struct Document {
     /// Ids below it were given, perhaps to what is gone: they are never given again.
     next_entity: u64,
     next_material: u32,
-    file: file::Known,
     refused: Option<SceneError>,
+    /// Of the scene's file, as it was read or written last.
+    stamp: Option<Stamp>,
+    notes: Notes,
+    /// As they are on disk.
+    written_notes: Notes,
+    recovery: Option<Recovery>,
+    disk: Option<Disk>,
+    clock: tick::Clock,
+    saving: bool,
+    /// Asked for while a save went on.
+    save_again: bool,
+    events: Vec<Event>,
 }
 
 /// Between the first preview and the end of a drag.
@@ -62,8 +81,8 @@ impl Revisions {
 
 impl Document {
     /// A document of this scene, which is as its file says.
-    fn new(project: &Path, name: &str, scene: Scene, file: file::Known) -> Self {
-        let next_entity = scene.free_entity_id().0;
+    fn new(project: &Path, name: &str, scene: Scene, stamp: Option<Stamp>, notes: Notes) -> Self {
+        let next_entity = scene.free_entity_id().0.max(notes.next_entity);
         let next_material = scene.materials.iter().map(|material| material.id.0 + 1).max().unwrap_or(1);
         Self {
             project: project.to_owned(),
@@ -77,8 +96,16 @@ impl Document {
             revisions: Revisions::default(),
             next_entity,
             next_material,
-            file,
             refused: None,
+            stamp,
+            written_notes: notes.clone(),
+            notes,
+            recovery: None,
+            disk: None,
+            clock: tick::Clock::default(),
+            saving: false,
+            save_again: false,
+            events: Vec::new(),
         }
     }
 
@@ -117,10 +144,31 @@ impl Document {
         self.scene.world_from_local(id)
     }
 
+    /// Not to be picked in the scene view. The scene's file does not hold it, and undo leaves it alone.
+    pub fn is_locked(&self, id: EntityId) -> bool {
+        self.notes.locked.contains(&id)
+    }
+
+    pub fn set_locked(&mut self, ids: &[EntityId], locked: bool) {
+        for &id in ids {
+            let _ = if locked { self.notes.locked.insert(id) } else { self.notes.locked.remove(&id) };
+        }
+        self.write_notes();
+    }
+
     /// An id that no entity has or had.
     pub fn new_entity_id(&mut self) -> EntityId {
         self.next_entity += 1;
         EntityId(self.next_entity - 1)
+    }
+
+    /// Gives ids as [`Self::new_entity_id`] does, while the scene is read. Those that no edit takes are given again.
+    pub fn id_giver(&self) -> impl FnMut() -> EntityId + use<> {
+        let mut next = self.next_entity;
+        move || {
+            next += 1;
+            EntityId(next - 1)
+        }
     }
 
     pub fn new_material_id(&mut self) -> MaterialId {

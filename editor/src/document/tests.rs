@@ -10,6 +10,9 @@ const ROOT: EntityId = EntityId(1);
 const CHILD: EntityId = EntityId(2);
 const LAMP: EntityId = EntityId(3);
 
+/// Below a file: nothing can be written there.
+const NOWHERE: &str = "Cargo.toml/nowhere";
+
 /// A static root with a static child, and a lamp beside them.
 fn document() -> Document {
     let mesh = MeshRenderer {
@@ -27,7 +30,7 @@ fn document() -> Document {
     let material = Material { id: MaterialId(1), name: "paint".to_owned(), ..Material::default() };
     let scene = Scene { materials: vec![material], entities: vec![wall, child, lamp], ..Scene::default() };
     scene.validate().unwrap();
-    Document::new(Path::new("nowhere"), "test", scene, file::Known::default())
+    Document::new(Path::new(NOWHERE), "test", scene, None, Notes::default())
 }
 
 fn moved(id: EntityId, x: f64) -> Edit {

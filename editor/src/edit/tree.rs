@@ -147,3 +147,13 @@ pub fn set_flag(scene: &IndexedScene, ids: &[EntityId], with_children: bool, fie
     let ids: Vec<EntityId> = if with_children { all() } else { ids.to_vec() };
     Edit::Set(ids.into_iter().map(|id| (id, field.clone())).collect())
 }
+
+/// Hides all that is neither among the entities nor above nor below them. Parents stay, for what is hidden hides what it
+/// carries.
+pub fn isolate(scene: &IndexedScene, ids: &[EntityId]) -> Edit {
+    let above = |id: &EntityId| scene.ancestors(*id).map(|entity| entity.id).collect::<Vec<_>>();
+    let kept: HashSet<EntityId> =
+        ids.iter().flat_map(|id| scene.subtree(*id).into_iter().chain(above(id))).collect();
+    let others = scene.scene().entities.iter().filter(|entity| !kept.contains(&entity.id));
+    Edit::Set(others.map(|entity| (entity.id, Field::Hidden(true))).collect())
+}

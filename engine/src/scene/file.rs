@@ -226,8 +226,7 @@ fn version_of(text: &str) -> u32 {
     from_text(Path::new(""), text).map_or(0, |Versioned { version }| version)
 }
 
-/// Newer files are refused and stay as they are.
-pub fn known_version(path: &Path, version: u32) -> Result<(), SceneError> {
+fn known_version(path: &Path, version: u32) -> Result<(), SceneError> {
     if version <= VERSION {
         return Ok(());
     }

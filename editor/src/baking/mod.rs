@@ -1,0 +1,205 @@
+//! The bake beside the editing: on threads of its own, of the scene as it stands, saved or not. The editor goes on and
+//! swaps the transport in when it is there.
+
+pub mod density;
+mod progress;
+
+use std::path::Path;
+use std::sync::Arc;
+use std::thread::JoinHandle;
+
+use bake::{BakeError, Settings};
+use engine::scene::assets::Assets;
+use engine::scene::file::Quality;
+use engine::scene::{Scene, Warning};
+use engine::transport::key::{BakeWith, inputs};
+use engine::transport::stale::Stale as Difference;
+use engine::transport::{Certificate, Transport, file};
+
+use crate::document::Document;
+use crate::edit::Stale;
+pub use progress::{Meter, Progress};
+
+/// What the badge tells.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Badge {
+    /// There is no bake: direct light alone.
+    Missing,
+    /// The bake was made of this scene.
+    Current,
+    /// The scene has changed since, but in nothing that the bake minds.
+    LightOnly,
+    /// What the bake minds has changed: bake again. Why, where it is known.
+    Stale(String),
+}
+
+/// A bake's light.
+pub struct Baked {
+    pub transport: Arc<Transport>,
+    pub warnings: Vec<Warning>,
+    /// The document's revision that it was made of or compared with, and what it differed by.
+    revision: u64,
+    differs: Difference,
+}
+
+/// A thread that works and is asked for its result with every picture.
+struct Job<T> {
+    thread: Option<JoinHandle<T>>,
+}
+
+impl<T: Send + 'static> Job<T> {
+    fn start(name: &str, work: impl FnOnce() -> T + Send + 'static) -> std::io::Result<Self> {
+        let thread = std::thread::Builder::new().name(name.to_owned()).spawn(work)?;
+        Ok(Self { thread: Some(thread) })
+    }
+
+    /// `None`: it goes on. An error: it panicked.
+    fn poll(&mut self) -> Option<Result<T, String>> {
+        let thread = self.thread.take_if(|thread| thread.is_finished())?;
+        Some(thread.join().map_err(|_| "a thread of the editor failed: see the terminal".to_owned()))
+    }
+}
+
+/// The bake that is shown, and the one that is made.
+#[derive(Default)]
+pub struct Baking {
+    shown: Option<Baked>,
+    bake: Option<(Job<Result<Baked, BakeError>>, Arc<Meter>)>,
+    compare: Option<Job<(u64, Difference)>>,
+}
+
+impl Baking {
+    pub fn show(&mut self, baked: Baked) {
+        self.shown = Some(baked);
+    }
+
+    /// What it differs by from the scene, as far as that was compared: [`Transport::leave_out`] wants to know.
+    pub fn differs(&self) -> Option<&Difference> {
+        Some(&self.shown.as_ref()?.differs)
+    }
+
+    pub fn transport(&self) -> Option<&Arc<Transport>> {
+        Some(&self.shown.as_ref()?.transport)
+    }
+
+    /// Starts one, unless one goes on. One core is left to the editor.
+    pub fn start(&mut self, document: &Document, settings: Settings) -> Result<(), String> {
+        if self.bake.is_some() {
+            return Err("a bake goes on already".to_owned());
+        }
+        let threads = std::thread::available_parallelism().map_or(1, |cores| (cores.get() - 1).max(1));
+        let settings = Settings { threads: settings.threads.or(Some(threads)), ..settings };
+        let meter = Arc::new(Meter::default());
+        let (project, name) = (document.project().to_owned(), document.name().to_owned());
+        let (scene, revision, watcher) = (document.scene().clone(), document.revision(), meter.clone());
+        let work = move || {
+            let baked = bake::bake_scene(&project, &name, scene, &settings, &*watcher)?;
+            let (transport, differs) = (Arc::new(baked.transport), Difference::default());
+            Ok(Baked { transport, warnings: baked.warnings, revision, differs })
+        };
+        let job = Job::start("bake", work).map_err(|error| format!("the bake cannot start: {error}"))?;
+        self.bake = Some((job, meter));
+        Ok(())
+    }
+
+    /// It stops within a second and keeps what can be used by the next.
+    pub fn cancel(&self) {
+        if let Some((_, meter)) = &self.bake {
+            meter.cancel();
+        }
+    }
+
+    pub fn progress(&self) -> Option<Progress> {
+        self.bake.as_ref().map(|(_, meter)| meter.progress())
+    }
+
+    /// To be called with every picture: the bake that has just ended. Its light is shown from then on, where there
+    /// is any; a bake whose certificate does not hold is an error, and what was shown stays.
+    pub fn poll(&mut self) -> Option<Result<Vec<Warning>, String>> {
+        self.take_comparison();
+        let ended = self.bake.as_mut()?.0.poll()?;
+        self.bake = None;
+        let baked = match ended {
+            Ok(Ok(baked)) => baked,
+            Ok(Err(error)) => return Some(Err(bake::chain::told(&error))),
+            Err(panicked) => return Some(Err(panicked)),
+        };
+        if let Some(broken) = baked.transport.certificate.broken() {
+            return Some(Err(format!("the bake's certificate does not hold: {broken}")));
+        }
+        let warnings = baked.warnings.clone();
+        self.compare = None; // with what was shown before
+        self.shown = Some(baked);
+        Some(Ok(warnings))
+    }
+
+    /// What the badge tells of the scene as it is. Where an edit may have touched what the bake minds, it counts as
+    /// stale until [`Self::compare`] has found that it did not.
+    pub fn badge(&self, document: &Document) -> Badge {
+        let Some(shown) = &self.shown else { return Badge::Missing };
+        match document.stale_since(shown.revision) {
+            Stale::Transport => Badge::Stale(String::new()),
+            _ if !shown.differs.is_empty() => Badge::Stale(shown.differs.to_string()),
+            Stale::Light => Badge::LightOnly,
+            Stale::Nothing => Badge::Current,
+        }
+    }
+
+    /// Reads all that the bake depends on, on a thread of its own, where an edit may have touched it: an undone edit
+    /// fits again. `assets`: what the scene refers to.
+    pub fn compare(&mut self, document: &Document, assets: &Arc<Assets>) {
+        let Some(shown) = &self.shown else { return };
+        let is_known = document.stale_since(shown.revision) < Stale::Transport;
+        if self.compare.is_some() || is_known || document.is_dragging() {
+            return;
+        }
+        let (scene, assets, revision) = (document.scene().clone(), assets.clone(), document.revision());
+        let transport = shown.transport.clone();
+        let compare = move || (revision, difference(&transport.certificate, &scene, &assets));
+        // Without a thread the badge stays as careful as it was.
+        self.compare = Job::start("compare bake", compare).ok();
+    }
+
+    fn take_comparison(&mut self) {
+        let Some(compared) = self.compare.as_mut().and_then(Job::poll) else { return };
+        self.compare = None;
+        if let (Ok((revision, differs)), Some(shown)) = (compared, &mut self.shown) {
+            (shown.revision, shown.differs) = (revision, differs);
+        }
+    }
+}
+
+/// The bake that lies on disk, whatever of it is stale; none is none. It reads the whole file: call it from where scenes
+/// are opened, not from a picture. `revision`: the document's whose scene this is.
+pub fn load(
+    project: &Path,
+    name: &str,
+    scene: &Scene,
+    assets: &Assets,
+    revision: u64,
+) -> Result<Option<Baked>, String> {
+    let path = file::path(project, name);
+    if !path.is_file() {
+        return Ok(None);
+    }
+    let transport = file::load(&path).map_err(|error| bake::chain::told(&error))?;
+    let differs = difference(&transport.certificate, scene, assets);
+    Ok(Some(Baked { transport: Arc::new(transport), warnings: Vec::new(), revision, differs }))
+}
+
+/// Between what was baked and a scene.
+pub fn difference(certificate: &Certificate, scene: &Scene, assets: &Assets) -> Difference {
+    let with = BakeWith {
+        quality: Quality::default(), // a name for rays and length
+        rays: certificate.rays_per_row,
+        length: certificate.base_length,
+    };
+    Difference::between(&certificate.inputs, &inputs(scene, assets, &with))
+}
+
+/// The editor that ends does not wait for a bake that nobody will see.
+impl Drop for Baking {
+    fn drop(&mut self) {
+        self.cancel();
+    }
+}
