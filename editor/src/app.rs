@@ -1,9 +1,11 @@
 //! The editor as a whole: what it holds, how a picture of it comes about, and how what panels asked for is done.
 
+mod beside;
 mod leave;
 mod window;
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 
 use eframe::egui;
@@ -14,10 +16,11 @@ use engine::scene::EntityId;
 use engine::scene::assets::Assets;
 
 use crate::ask::{Ask, Asks};
+use crate::baking::Baking;
 use crate::camera::ViewCamera;
 use crate::command::{Bindings, Command};
-use crate::document::Document;
 use crate::inspector::Inspector;
+use crate::intents::Session;
 use crate::keys;
 use crate::layout::{self, Docks, Layout, Pane};
 use crate::log::{Log, Source};
@@ -29,21 +32,19 @@ use crate::panels::open::OpenDialog;
 use crate::panels::palette::Palette;
 use crate::panels::scene::{SceneView, Seen};
 use crate::panels::status::Status;
-use crate::panels::toolbar::{self, Playing};
+use crate::panels::toolbar::{self, Light, Playing};
 use crate::panels::{menu, statistics};
 use crate::play::Play;
 use crate::recent::{Preferences, Theme};
 use crate::scenery::{AsBaked, Placed, Scenery};
-use crate::selection::Selection;
 use crate::theme;
 use crate::viewport::Stage;
 pub use window::{run, wgpu_setup};
 
 pub struct Editor {
-    pub document: Document,
-    pub selection: Selection,
-    pub log: Log,
-    pub(crate) assets: Assets,
+    pub session: Session,
+    pub(crate) assets: Arc<Assets>,
+    pub(crate) baking: Baking,
     baked: AsBaked,
     placed: Placed,
     pub(crate) play: Option<Play>,
@@ -86,17 +87,18 @@ impl Editor {
         let (bindings, odd) = Bindings::from_preferences(&preferences.shortcuts);
         odd.into_iter().for_each(|odd| log.warning(Source::Nothing, odd));
         let layout = preferences.layout.as_deref().and_then(layout::read).unwrap_or_else(layout::default_layout);
-        let Opened { document, assets, transport, cubemaps, unlimited_gain, warnings } = opened;
-        warnings.into_iter().for_each(|warning| log.warning(Source::Nothing, warning));
+        let Opened { document, assets, shown, baked, cubemaps, unlimited_gain, warnings } = opened;
+        log.warnings(&warnings, document.scene());
         let settings = Settings { unlimited_gain, ..Settings::default() };
-        let mut stage = Stage::new(state, transport.clone(), &assets, settings)?;
+        let mut stage = Stage::new(state, shown.clone(), &assets, settings)?;
         stage.renderer.give_cubemaps(cubemaps);
+        let mut baking = Baking::default();
+        baked.into_iter().for_each(|baked| baking.show(baked));
         let mut editor = Self {
-            baked: AsBaked::of(document.scene(), &assets, &transport),
-            document,
-            selection: Selection::default(),
-            log,
+            baked: AsBaked::of(document.scene(), &assets, &shown),
+            session: Session::new(document, log),
             assets,
+            baking,
             placed: Placed::default(),
             play: None,
             state: state.clone(),
@@ -125,14 +127,15 @@ impl Editor {
 
     /// After a document was opened.
     fn arrived(&mut self, ctx: &egui::Context) {
-        let project = self.document.project().to_owned();
+        let project = self.session.document.project().to_owned();
         self.preferences.opened(&project);
         self.apply_preferences(ctx);
-        self.placed.follow(&self.document, &self.assets, &self.baked);
+        self.placed.follow(&self.session.document, &self.assets, &self.baked);
         if let Some((low, high)) = self.scenery().extent(|entity| entity.mesh.is_some()) {
             self.scene.camera = ViewCamera::framing(low, high);
         }
-        self.log.info(format!("Opened {}", self.document.path().display()));
+        let path = self.session.document.path();
+        self.session.log.info(format!("Opened {}", path.display()));
     }
 
     pub(crate) fn apply_preferences(&self, ctx: &egui::Context) {
@@ -149,23 +152,24 @@ impl Editor {
         let layout = layout::written(&self.layout);
         let preferences = Preferences { layout, ..self.preferences.clone() };
         if let Err(error) = preferences.save(home) {
-            self.log.scene_error(&error, self.document.scene());
+            self.session.log.scene_error(&error, self.session.document.scene());
         }
     }
 
     pub(crate) fn scenery(&self) -> Scenery<'_> {
-        Scenery::of(&self.document, &self.assets, &self.placed, self.play.as_ref())
+        Scenery::of(&self.session.document, &self.assets, &self.placed, self.play.as_ref())
     }
 
     /// A picture of the editor.
     pub fn ui(&mut self, ui: &mut Ui) {
-        self.placed.follow(&self.document, &self.assets, &self.baked);
+        self.beside(ui);
+        self.placed.follow(&self.session.document, &self.assets, &self.baked);
         if let Some(play) = &mut self.play {
             play.advance(&self.assets);
             ui.ctx().request_repaint();
         }
         if self.leaving.is_none() && !self.open.is_open() {
-            keys::pressed(ui, &self.bindings).into_iter().for_each(|command| self.asks.push(Ask::Run(command)));
+            keys::pressed(ui, &self.bindings).into_iter().for_each(|command| self.asks.push(command));
         }
         self.bars(ui);
         let frame = egui::Frame::new().fill(theme::bars(ui.visuals()));
@@ -183,10 +187,12 @@ impl Editor {
         let top = Panel::top("menus").exact_size(26.0).frame(bar).show_separator_line(false);
         top.show(ui, |ui| menu::show(ui, &state, &self.bindings, &mut self.asks));
         let tools = Panel::top("toolbar").exact_size(32.0).frame(bar).show_separator_line(false);
-        tools.show(ui, |ui| toolbar::show(ui, &mut self.scene.handling, playing, &mut self.asks));
+        let light = Light { badge: self.baking.badge(&self.session.document), progress: self.baking.progress() };
+        tools.show(ui, |ui| toolbar::show(ui, &mut self.scene.handling, playing, &light, &mut self.asks));
         let bottom = Panel::bottom("status").exact_size(24.0).frame(bar).show_separator_line(false);
-        let (selected, entities) = (self.selection.ids().len(), self.document.scene().entities.len());
-        bottom.show(ui, |ui| self.status.show(ui, &self.log, selected, entities, &mut self.asks));
+        let Session { document, selection, log, .. } = &self.session;
+        let (selected, entities) = (selection.ids().len(), document.scene().entities.len());
+        bottom.show(ui, |ui| self.status.show(ui, log, selected, entities, &mut self.asks));
     }
 
     fn docks(&mut self, ui: &mut Ui) {
@@ -196,10 +202,11 @@ impl Editor {
     }
 
     fn pane(&mut self, ui: &mut Ui, pane: Pane) {
-        let scenery = Scenery::of(&self.document, &self.assets, &self.placed, self.play.as_ref());
+        let scenery = Scenery::of(&self.session.document, &self.assets, &self.placed, self.play.as_ref());
         match pane {
             Pane::Scene => {
-                let seen = Seen { document: &self.document, scenery, selection: &self.selection };
+                let Session { document, selection, .. } = &self.session;
+                let seen = Seen { document, scenery, selection };
                 return self.scene.show(ui, &mut self.stage, &seen, &mut self.asks);
             }
             Pane::Game => return self.game.show(ui, &mut self.stage, &scenery),
@@ -207,19 +214,21 @@ impl Editor {
         }
         let rect = ui.available_rect_before_wrap();
         ui.painter().rect_filled(rect, 0.0, ui.visuals().panel_fill);
+        let state = self.state();
+        let scenery = Scenery::of(&self.session.document, &self.assets, &self.placed, self.play.as_ref());
         let inner = egui::UiBuilder::new().max_rect(rect.shrink2(egui::vec2(7.0, 6.0)));
         ui.scope_builder(inner, |ui| match pane {
             Pane::Hierarchy => {
-                let state = self.state();
-                let tree =
-                    Tree { document: &self.document, selection: &self.selection, state, bindings: &self.bindings };
+                let Session { document, selection, .. } = &self.session;
+                let tree = Tree { document, selection, state, bindings: &self.bindings };
                 self.hierarchy.show(ui, &tree, &mut self.asks);
             }
             Pane::Inspector => {
                 let playing = self.play.is_some();
-                self.inspector.show(ui, &self.document, &self.selection, playing, &mut self.asks);
+                let Session { document, selection, .. } = &self.session;
+                self.inspector.show(ui, document, selection, playing, &mut self.asks);
             }
-            Pane::Console => self.console.show(ui, &self.log, &mut self.asks),
+            Pane::Console => self.console.show(ui, &self.session.log, &mut self.asks),
             _ => statistics::show(ui, &self.stage, &self.scene.picture, &scenery),
         });
     }
@@ -238,36 +247,16 @@ impl Editor {
             ui.ctx().request_repaint();
         }
         for ask in asked {
-            self.do_one(ask, ui);
-        }
-        self.selection.retain_existing(self.document.indexed());
-    }
-
-    fn do_one(&mut self, ask: Ask, ui: &Ui) {
-        let done = match ask {
-            Ask::Commit(edit) => self.document.commit(edit),
-            Ask::End => self.document.end(),
-            Ask::Preview(edit) => {
-                self.document.preview(edit);
-                Ok(())
+            match ask {
+                Ask::Intent(intent) => self.carry_out(intent, ui),
+                Ask::Run(command) => self.run(command, ui),
+                Ask::Frame(ids) => self.frame(&ids),
             }
-            Ask::Cancel => {
-                self.document.cancel();
-                Ok(())
-            }
-            Ask::Select(ids) => return self.choose_ids(ids),
-            Ask::Selection(selection) => return self.selection = selection,
-            Ask::Frame(ids) => return self.frame(&ids),
-            Ask::Run(command) => return self.run(command, ui),
-            Ask::Reparent { ids, parent, before } => return self.reparent(ids, parent, before),
-        };
-        if let Err(error) = done {
-            self.log.scene_error(&error, self.document.scene());
         }
     }
 
     pub(crate) fn frame(&mut self, ids: &[EntityId]) {
-        let indexed = self.document.indexed();
+        let indexed = self.session.document.indexed();
         let below: std::collections::HashSet<EntityId> =
             ids.iter().flat_map(|id| indexed.subtree(*id)).collect();
         if let Some((low, high)) = self.scenery().extent(|entity| below.contains(&entity.id)) {
@@ -278,8 +267,8 @@ impl Editor {
     pub(crate) fn run_play(&mut self, command: Command) {
         match (command, &mut self.play) {
             (Command::Play, None) => {
-                self.document.cancel();
-                self.play = Some(Play::of(self.document.scene(), &self.assets));
+                self.session.document.cancel();
+                self.play = Some(Play::of(self.session.document.scene(), &self.assets));
                 layout::reveal(&mut self.layout, Pane::Game);
             }
             (Command::Play, Some(_)) => {
@@ -293,9 +282,10 @@ impl Editor {
     }
 
     fn tell_title(&mut self, ui: &Ui) {
-        let dirty = if self.document.is_dirty() { "*" } else { "" };
-        let project = self.document.project().file_name().unwrap_or_default().to_string_lossy();
-        let title = format!("{}{dirty} \u{2013} {project} \u{2013} Hohlraum", self.document.name());
+        let document = &self.session.document;
+        let dirty = if document.is_dirty() { "*" } else { "" };
+        let project = document.project().file_name().unwrap_or_default().to_string_lossy();
+        let title = format!("{}{dirty} \u{2013} {project} \u{2013} Hohlraum", document.name());
         if title != self.title {
             ui.ctx().send_viewport_cmd(ViewportCommand::Title(title.clone()));
             self.title = title;

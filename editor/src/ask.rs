@@ -4,26 +4,26 @@
 use engine::scene::EntityId;
 
 use crate::command::Command;
-use crate::edit::Edit;
-use crate::selection::Selection;
+use crate::intents::Intent;
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ask {
-    /// As one step.
-    Commit(Edit),
-    /// Shown until the drag ends; each replaces the one before.
-    Preview(Edit),
-    /// The drag is over: what it shows becomes one step.
-    End,
-    /// The drag is off.
-    Cancel,
-    Select(Vec<EntityId>),
-    Selection(Selection),
+    Intent(Intent),
+    Run(Command),
     /// The scene view goes there.
     Frame(Vec<EntityId>),
-    Run(Command),
-    /// Under a parent, before one of its children or as the last.
-    Reparent { ids: Vec<EntityId>, parent: Option<EntityId>, before: Option<EntityId> },
+}
+
+impl From<Intent> for Ask {
+    fn from(intent: Intent) -> Self {
+        Self::Intent(intent)
+    }
+}
+
+impl From<Command> for Ask {
+    fn from(command: Command) -> Self {
+        Self::Run(command)
+    }
 }
 
 #[derive(Default)]
@@ -32,8 +32,8 @@ pub struct Asks {
 }
 
 impl Asks {
-    pub fn push(&mut self, ask: Ask) {
-        self.list.push(ask);
+    pub fn push(&mut self, ask: impl Into<Ask>) {
+        self.list.push(ask.into());
     }
 
     pub fn take(&mut self) -> Vec<Ask> {

@@ -2,7 +2,7 @@
 //! and in any theme.
 
 use eframe::egui;
-use egui::{Color32, Painter, Pos2, Rect, Response, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo, WidgetType, pos2, vec2};
+use egui::{Color32, Painter, Pos2, Rect, Response, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo, Role, pos2, vec2};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Icon {
@@ -314,7 +314,7 @@ pub fn paint(painter: &Painter, rect: Rect, icon: Icon, color: Color32) {
 /// A square button with a picture; `name` is what screen readers say, and the first line of the tooltip.
 pub fn button(ui: &mut Ui, icon: Icon, name: &str, tooltip: &str, selected: bool) -> Response {
     let (rect, response) = ui.allocate_exact_size(vec2(26.0, 22.0), Sense::click());
-    response.widget_info(|| WidgetInfo::selected(WidgetType::Button, ui.is_enabled(), selected, name));
+    response.widget_info(|| WidgetInfo::selected(Role::Button, ui.is_enabled(), selected, name));
     draw_button(ui, rect, &response, icon, selected);
     response.on_hover_ui(|ui| {
         ui.label(egui::RichText::new(name).strong());

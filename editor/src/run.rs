@@ -3,29 +3,26 @@
 use eframe::egui;
 use egui::{Ui, ViewportCommand};
 use engine::render::View;
-use engine::scene::EntityId;
+use engine::scene::{Entity, EntityId};
 use glam::DVec3;
 
 use crate::app::Editor;
 use crate::command::{Command, State};
-use crate::edit::{Edit, Field, copies, tree};
 use crate::gizmo::Tool;
+use crate::intents::{Intent, Session};
 use crate::layout::{self, Pane};
-use crate::log::Source;
-use crate::primitives::{self, Primitive};
+use crate::primitives::Primitive;
 use crate::recent::Theme;
-use crate::{clipboard, tools};
+use crate::tools;
 
 /// Commands of the table that this editor has no part for yet: no menu shows them, no key gives them.
-const NOT_YET: [Command; 25] = [
+const NOT_YET: [Command; 21] = [
     Command::NewProject,
     Command::NewScene,
     Command::OpenScene,
     Command::SaveAs,
     Command::Recover,
     Command::Preferences,
-    Command::CreateMaterial,
-    Command::ToggleLocked,
     Command::ToggleVertexSnapping,
     Command::ViewCamera,
     Command::ToggleGizmos,
@@ -35,8 +32,6 @@ const NOT_YET: [Command; 25] = [
     Command::RenameAsset,
     Command::RelinkMissing,
     Command::SearchAssets,
-    Command::Bake,
-    Command::CancelBake,
     Command::DensityBrush,
     Command::EditLightProbes,
     Command::ShowTetrahedra,
@@ -97,14 +92,15 @@ fn pane(command: Command) -> Option<Pane> {
 impl Editor {
     /// What is the case now, for the table.
     pub fn state(&self) -> State {
+        let Session { document, selection, .. } = &self.session;
         State {
             has_scene: true,
             is_playing: self.play.is_some(),
-            is_baking: false,
-            selected: self.selection.ids().len(),
+            is_baking: self.baking.progress().is_some(),
+            selected: selection.ids().len(),
             asset_selected: false,
-            can_undo: self.document.can_undo(),
-            can_redo: self.document.can_redo(),
+            can_undo: document.can_undo(),
+            can_redo: document.can_redo(),
             can_paste: self.copied.is_some(),
         }
     }
@@ -113,8 +109,8 @@ impl Editor {
         if !is_known(command) || !command.is_enabled(&self.state()) {
             return;
         }
-        if let Some(primitive) = primitive(command) {
-            return self.create(primitive);
+        if let Some(intent) = self.intent(command) {
+            return self.carry_out(intent, ui);
         }
         if let Some(view) = view(command) {
             self.scene.view = view;
@@ -124,24 +120,12 @@ impl Editor {
             return layout::reveal(&mut self.layout, pane);
         }
         match command {
-            Command::Undo | Command::Redo => self.travel(command),
-            Command::Cut | Command::Copy | Command::Paste | Command::Duplicate | Command::Delete => {
-                self.change_what_is_there(command, ui);
-            }
-            Command::SelectAll
-            | Command::SelectNone
-            | Command::InvertSelection
-            | Command::SelectChildren
-            | Command::Rename => self.choose(command),
-            Command::ParentToActive
-            | Command::Unparent
-            | Command::ToggleHidden
-            | Command::Isolate
-            | Command::ShowAll
-            | Command::ToggleStatic
-            | Command::ToggleStaticWithChildren => self.arrange(command),
+            Command::SelectChildren | Command::Rename => self.choose(command),
             Command::Play | Command::Pause | Command::Step => self.run_play(command),
-            Command::Save | Command::Reload | Command::OpenProject | Command::Quit => self.file(command, ui),
+            Command::Bake | Command::CancelBake => self.run_bake(command),
+            Command::Save | Command::Reload | Command::Recover | Command::OpenProject | Command::Quit => {
+                self.file(command, ui);
+            }
             Command::ResetLayout
             | Command::ToggleTheme
             | Command::ScaleUp
@@ -150,150 +134,83 @@ impl Editor {
             | Command::Palette
             | Command::ClearConsole
             | Command::CopyConsole => self.window(command, ui),
+            Command::SearchHierarchy => {
+                layout::reveal(&mut self.layout, Pane::Hierarchy);
+                self.hierarchy.search(ui);
+            }
             _ => self.look(command),
         }
     }
 
-    fn commit(&mut self, edit: Edit) -> bool {
-        match self.document.commit(edit) {
-            Ok(()) => true,
-            Err(error) => {
-                self.log.scene_error(&error, self.document.scene());
-                false
+    /// Of commands that change the document or what is selected, and nothing else.
+    fn intent(&self, command: Command) -> Option<Intent> {
+        if let Some(primitive) = primitive(command) {
+            // In the middle of the picture, on whole centimetres.
+            let place = self.scene.camera.pivot.to_array().map(|metres| (metres * 100.0).round() / 100.0);
+            return Some(Intent::Create { primitive, place: DVec3::from(place), parent: None });
+        }
+        let document = &self.session.document;
+        let ids = self.session.selection.ids().to_vec();
+        let all = |get: &dyn Fn(&Entity) -> bool| ids.iter().filter_map(|id| document.entity(*id)).all(get);
+        Some(match command {
+            Command::Undo => Intent::Undo,
+            Command::Redo => Intent::Redo,
+            Command::Cut => Intent::Cut,
+            Command::Copy => Intent::Copy,
+            Command::Paste => Intent::Paste { text: self.copied.clone()?, parent: None },
+            Command::Duplicate => Intent::Duplicate,
+            Command::Delete => Intent::Delete,
+            Command::CreateMaterial => Intent::CreateMaterial,
+            Command::SelectAll => Intent::SelectAll,
+            Command::SelectNone => Intent::Select(Vec::new()),
+            Command::InvertSelection => Intent::InvertSelection,
+            Command::ToggleHidden => Intent::Hide { hidden: !all(&|e| e.hidden), ids },
+            Command::ToggleLocked => Intent::Lock { locked: !all(&|e| document.is_locked(e.id)), ids },
+            Command::ToggleStatic | Command::ToggleStaticWithChildren => Intent::Static {
+                is_static: !all(&|e| e.is_static),
+                ids,
+                with_children: command == Command::ToggleStaticWithChildren,
+            },
+            Command::ShowAll => Intent::ShowAll,
+            Command::Isolate => Intent::Isolate(ids),
+            Command::Unparent => Intent::Reparent { ids, parent: None, before: None },
+            Command::ParentToActive => {
+                let active = self.session.selection.active()?;
+                let others = ids.into_iter().filter(|id| *id != active).collect();
+                Intent::Reparent { ids: others, parent: Some(active), before: None }
             }
-        }
-    }
-
-    fn create(&mut self, primitive: Primitive) {
-        let place = self.scene.camera.pivot;
-        let place = DVec3::from(place.to_array().map(|metres| (metres * 100.0).round() / 100.0));
-        let (edit, created) = primitives::create(&mut self.document, primitive, place, None);
-        if self.commit(edit) {
-            self.choose_ids(created.into_iter().collect());
-        }
-    }
-
-    fn travel(&mut self, command: Command) {
-        let name = if command == Command::Undo { self.document.undo() } else { self.document.redo() };
-        if let Some(name) = name {
-            let verb = if command == Command::Undo { "Undone" } else { "Redone" };
-            self.log.info(format!("{verb}: {name}"));
-        }
-    }
-
-    fn change_what_is_there(&mut self, command: Command, ui: &Ui) {
-        let ids = self.selection.ids().to_vec();
-        if matches!(command, Command::Cut | Command::Copy) {
-            match clipboard::copy(self.document.indexed(), &ids) {
-                Ok(text) => {
-                    ui.ctx().copy_text(text.clone());
-                    self.copied = Some(text);
-                }
-                Err(error) => return self.log.error(Source::Nothing, error),
+            Command::DropToFloor => Intent::Commit(tools::drop::edit(document, &self.scenery(), &ids)),
+            Command::AlignCamera => {
+                let active = self.session.selection.active()?;
+                let (place, turn) = (self.scene.camera.position(), self.scene.camera.rotation());
+                Intent::Commit(tools::transform::placed(document, active, place, turn))
             }
-        }
-        match command {
-            Command::Cut | Command::Delete => {
-                let (edit, warnings) = tree::delete(self.document.indexed(), &ids);
-                self.log.warnings(&warnings, self.document.scene());
-                self.commit(edit);
-            }
-            Command::Duplicate => self.duplicate(&ids),
-            Command::Paste => self.paste(),
-            _ => {}
-        }
+            _ => return None,
+        })
     }
 
-    fn duplicate(&mut self, ids: &[EntityId]) {
-        // Ids from here on are free.
-        let mut next = self.document.new_entity_id().0;
-        let mut new_id = || {
-            next += 1;
-            EntityId(next - 1)
-        };
-        let edit = copies::duplicate(self.document.indexed(), ids, &mut new_id);
-        let named: Vec<EntityId> = edit.entities();
-        if self.commit(edit) {
-            let top = self.document.indexed().topmost(&named);
-            self.choose_ids(top);
+    pub(crate) fn carry_out(&mut self, intent: Intent, ui: &Ui) {
+        let active = self.session.selection.active();
+        self.session.carry_out([intent]);
+        if let Some(text) = self.session.copied.take() {
+            ui.ctx().copy_text(text.clone());
+            self.copied = Some(text);
         }
-    }
-
-    fn paste(&mut self) {
-        let Some(text) = self.copied.clone() else { return };
-        match clipboard::paste(&mut self.document, &text, None) {
-            Ok((edit, top, warnings)) => {
-                self.log.warnings(&warnings, self.document.scene());
-                if self.commit(edit) {
-                    self.choose_ids(top);
-                }
-            }
-            Err(error) => self.log.error(Source::Nothing, error),
+        let now = self.session.selection.active();
+        if let Some(id) = now.filter(|_| now != active) {
+            self.hierarchy.reveal(&self.session.document, id);
         }
     }
 
     fn choose(&mut self, command: Command) {
-        let all = || self.document.scene().entities.iter().map(|entity| entity.id);
-        let ids: Vec<EntityId> = match command {
-            Command::SelectAll => all().collect(),
-            Command::InvertSelection => all().filter(|id| !self.selection.contains(*id)).collect(),
-            Command::SelectChildren => {
-                let children = |id: &EntityId| self.document.children(Some(*id)).to_vec();
-                self.selection.ids().iter().flat_map(children).collect()
-            }
-            Command::Rename => {
-                if let Some(active) = self.selection.active() {
-                    layout::reveal(&mut self.layout, Pane::Hierarchy);
-                    self.hierarchy.rename(&self.document, active);
-                }
-                return;
-            }
-            _ => Vec::new(),
-        };
-        self.selection.set(ids);
-    }
-
-    pub(crate) fn choose_ids(&mut self, ids: Vec<EntityId>) {
-        self.selection.set(ids);
-        if let Some(active) = self.selection.active() {
-            self.hierarchy.reveal(&self.document, active);
-        }
-    }
-
-    fn arrange(&mut self, command: Command) {
-        let ids = self.selection.ids().to_vec();
-        let scene = self.document.indexed();
-        let has = |get: fn(&engine::scene::Entity) -> bool| {
-            ids.iter().filter_map(|id| scene.entity(*id)).all(get)
-        };
-        let edit = match command {
-            Command::ToggleHidden => tree::set_flag(scene, &ids, false, Field::Hidden(!has(|e| e.hidden))),
-            Command::ToggleStatic => tree::set_flag(scene, &ids, false, Field::Static(!has(|e| e.is_static))),
-            Command::ToggleStaticWithChildren => {
-                tree::set_flag(scene, &ids, true, Field::Static(!has(|e| e.is_static)))
-            }
-            Command::ShowAll => {
-                let hidden = scene.scene().entities.iter().filter(|entity| entity.hidden);
-                Edit::Set(hidden.map(|entity| (entity.id, Field::Hidden(false))).collect())
-            }
-            Command::Isolate => tools::isolate(scene, &ids),
-            Command::ParentToActive => {
-                let active = self.selection.active();
-                let others = ids.iter().copied().filter(|id| Some(*id) != active).collect();
-                return self.reparent(others, active, None);
-            }
-            _ => return self.reparent(ids, None, None),
-        };
-        self.commit(edit);
-    }
-
-    pub(crate) fn reparent(&mut self, ids: Vec<EntityId>, parent: Option<EntityId>, before: Option<EntityId>) {
-        match tree::reparent(self.document.indexed(), &ids, parent, before) {
-            Ok((edit, warnings)) => {
-                self.log.warnings(&warnings, self.document.scene());
-                self.commit(edit);
-            }
-            Err(error) => self.log.error(Source::Nothing, error),
+        let Session { document, selection, .. } = &mut self.session;
+        if command == Command::SelectChildren {
+            let children: Vec<EntityId> =
+                selection.ids().iter().flat_map(|id| document.children(Some(*id)).to_vec()).collect();
+            selection.set(children);
+        } else if let Some(active) = selection.active() {
+            layout::reveal(&mut self.layout, Pane::Hierarchy);
+            self.hierarchy.rename(document, active);
         }
     }
 
@@ -316,48 +233,30 @@ impl Editor {
             Command::ViewTop => camera.look_along(DVec3::NEG_Y),
             Command::ToggleOrthographic => camera.orthographic ^= true,
             Command::ToggleGrid => self.scene.hide_grid ^= true,
-            Command::Frame if self.selection.is_empty() => self.frame_all(),
-            Command::Frame => self.frame(&self.selection.ids().to_vec()),
+            Command::Frame if self.session.selection.is_empty() => self.frame_all(),
+            Command::Frame => self.frame(&self.session.selection.ids().to_vec()),
             Command::FrameAll => self.frame_all(),
-            Command::DropToFloor => self.drop_to_floor(),
-            Command::AlignCamera => self.align_with_view(),
             _ => {}
         }
     }
 
     fn frame_all(&mut self) {
-        let all: Vec<EntityId> = self.document.scene().entities.iter().map(|entity| entity.id).collect();
+        let all: Vec<EntityId> = self.session.document.scene().entities.iter().map(|entity| entity.id).collect();
         self.frame(&all);
     }
 
-    fn drop_to_floor(&mut self) {
-        let ids = self.selection.ids().to_vec();
-        let edit = tools::drop::edit(&self.document, &self.scenery(), &ids);
-        self.commit(edit);
-    }
-
-    /// What is selected looks at what the scene view looks at, from there.
-    fn align_with_view(&mut self) {
-        let Some(active) = self.selection.active() else { return };
-        let (place, turn) = (self.scene.camera.position(), self.scene.camera.rotation());
-        let edit = tools::transform::placed(&self.document, active, place, turn);
-        self.commit(edit);
-    }
-
     fn file(&mut self, command: Command, ui: &Ui) {
+        let Session { document, log, .. } = &mut self.session;
         match command {
-            Command::Save => {
-                match self.document.save() {
-                    Ok(()) => self.log.info(format!("Saved {}", self.document.path().display())),
-                    Err(error) => {
-                        let source = Source::File(self.document.path());
-                        self.log.error(source, bake::chain::told(&error));
-                    }
-                };
-            }
+            Command::Save => document.save_in_background(),
             Command::Reload => {
-                if let Err(error) = self.document.reload() {
-                    self.log.scene_error(&error, self.document.scene());
+                if let Err(error) = document.reload() {
+                    log.scene_error(&error, document.scene());
+                }
+            }
+            Command::Recover => {
+                if let Err(error) = document.recover() {
+                    log.scene_error(&error, document.scene());
                 }
             }
             Command::OpenProject => self.ask_for_project(),
@@ -370,7 +269,7 @@ impl Editor {
         match command {
             Command::ResetLayout => self.layout = layout::default_layout(),
             Command::Palette => self.palette.toggle(),
-            Command::ClearConsole => self.log.clear(),
+            Command::ClearConsole => self.session.log.clear(),
             Command::CopyConsole => ui.ctx().copy_text(self.console.text()),
             Command::ToggleTheme => {
                 self.preferences.theme = match self.preferences.theme {

@@ -1,6 +1,10 @@
 //! The engine in the editor: one renderer on the window's own device, and pictures that it draws for panels. A picture is
 //! drawn again only where it would come out otherwise: something in it changed, or its light has not settled yet.
 
+pub mod cube;
+pub mod grid;
+pub mod marks;
+
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 

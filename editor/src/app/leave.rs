@@ -8,15 +8,14 @@ use egui::{Modal, RichText, Ui, ViewportCommand};
 use engine::render::Settings;
 
 use super::Editor;
-use crate::ask::Ask;
-use crate::command::Command;
+use crate::baking::Baking;
+use crate::intents::Session;
 use crate::log::Source;
 use crate::opened::Opened;
 use crate::panels::game::GameView;
 use crate::panels::hierarchy::Hierarchy;
 use crate::panels::scene::SceneView;
 use crate::scenery::{AsBaked, Placed};
-use crate::selection::Selection;
 use crate::viewport::Stage;
 
 /// What comes after the document is left.
@@ -33,12 +32,12 @@ impl Editor {
 
     pub(super) fn dialogs(&mut self, ui: &mut Ui) {
         let wants_to_close = ui.input(|input| input.viewport().close_requested());
-        if wants_to_close && self.document.is_dirty() && self.leaving != Some(Then::Quit) {
+        if wants_to_close && self.session.document.is_dirty() && self.leaving != Some(Then::Quit) {
             ui.ctx().send_viewport_cmd(ViewportCommand::CancelClose);
             self.leaving = Some(Then::Quit);
         }
         if let Some(project) = self.open.show(ui) {
-            if self.document.is_dirty() {
+            if self.session.document.is_dirty() {
                 self.leaving = Some(Then::Open(project));
             } else {
                 self.load(project);
@@ -53,7 +52,7 @@ impl Editor {
         let mut answer = None;
         let modal = Modal::new(egui::Id::unique("unsaved")).show(ui.ctx(), |ui| {
             ui.set_width(360.0);
-            ui.label(RichText::new(format!("Save `{}` first?", self.document.name())).heading());
+            ui.label(RichText::new(format!("Save `{}` first?", self.session.document.name())).heading());
             ui.add_space(6.0);
             ui.label("It has changes that are not saved.");
             ui.add_space(12.0);
@@ -67,10 +66,13 @@ impl Editor {
         });
         match answer {
             Some("Save") => {
-                self.do_one(Ask::Run(Command::Save), ui);
-                self.leaving = None;
-                if !self.document.is_dirty() {
-                    self.leave(then, ui);
+                // What comes next needs to know whether it is on disk.
+                match self.session.document.save() {
+                    Ok(()) => self.leave(then, ui),
+                    Err(error) => {
+                        self.leaving = None;
+                        self.session.log.error(Source::Nothing, bake::chain::told(&error));
+                    }
                 }
             }
             Some("Discard") => self.leave(then, ui),
@@ -84,6 +86,8 @@ impl Editor {
         match then {
             // Stays what it is, so that the window is not asked about again.
             Then::Quit => {
+                // Chosen: what is not saved is not kept for the next start either.
+                self.session.document.discard_recovery();
                 self.leaving = Some(Then::Quit);
                 ui.ctx().send_viewport_cmd(ViewportCommand::Close);
             }
@@ -97,7 +101,7 @@ impl Editor {
     /// On a thread of its own: files are read, and a bake may be large.
     fn load(&mut self, project: PathBuf) {
         let (sender, receiver) = mpsc::channel();
-        self.log.info(format!("Opening {}", project.display()));
+        self.session.log.info(format!("Opening {}", project.display()));
         self.loading = Some(receiver);
         std::thread::spawn(move || {
             let opened = Opened::load(&project, None).map_err(|error| bake::chain::told(&error));
@@ -110,32 +114,38 @@ impl Editor {
         let Some(receiver) = &self.loading else { return };
         match receiver.try_recv() {
             Ok(Ok(opened)) => self.replace(opened, ui),
-            Ok(Err(error)) => self.log.error(Source::Nothing, error),
+            Ok(Err(error)) => self.session.log.error(Source::Nothing, error),
             Err(mpsc::TryRecvError::Empty) => {
                 return ui.ctx().request_repaint_after(std::time::Duration::from_millis(50));
             }
             Err(mpsc::TryRecvError::Disconnected) => {
-                self.log.error(Source::Nothing, "the project could not be opened: see the terminal");
+                self.session.log.error(Source::Nothing, "the project could not be opened: see the terminal");
             }
         }
         self.loading = None;
     }
 
     fn replace(&mut self, opened: Opened, ui: &Ui) {
-        let Opened { document, assets, transport, cubemaps, unlimited_gain, warnings } = opened;
+        let Opened { document, assets, shown, baked, cubemaps, unlimited_gain, warnings } = opened;
         let settings = Settings { unlimited_gain, ..Settings::default() };
-        match Stage::new(&self.state, transport.clone(), &assets, settings) {
+        match Stage::new(&self.state, shown.clone(), &assets, settings) {
             Ok(stage) => self.stage = stage,
-            Err(error) => return self.log.error(Source::Nothing, error.to_string()),
+            Err(error) => return self.session.log.error(Source::Nothing, error.to_string()),
         }
         self.stage.renderer.give_cubemaps(cubemaps);
-        self.baked = AsBaked::of(document.scene(), &assets, &transport);
-        (self.document, self.assets) = (document, assets);
+        self.baked = AsBaked::of(document.scene(), &assets, &shown);
+        self.baking = Baking::default();
+        baked.into_iter().for_each(|baked| self.baking.show(baked));
+        let log = self.session.log.clone();
+        log.warnings(&warnings, document.scene());
+        let left = std::mem::replace(&mut self.session, Session::new(document, log));
+        left.document.close();
+        self.assets = assets;
         (self.play, self.placed) = (None, Placed::default());
-        (self.selection, self.hierarchy) = (Selection::default(), Hierarchy::default());
+        self.hierarchy = Hierarchy::default();
         let handling = self.scene.handling;
-        (self.scene, self.game) = (SceneView { handling, ..SceneView::default() }, GameView::default());
-        warnings.into_iter().for_each(|warning| self.log.warning(Source::Nothing, warning));
+        (self.scene, self.game) = (SceneView::default(), GameView::default());
+        self.scene.handling = handling;
         self.arrived(ui.ctx());
     }
 }

@@ -4,7 +4,8 @@ use eframe::egui::{self, Ui};
 use engine::scene::{Camera, Entity, Light, LightProbeGroup, ReflectionProbe};
 use glam::Vec3;
 
-use crate::ask::{Ask, Asks};
+use crate::intents::Intent;
+use crate::ask::Asks;
 use crate::edit::{Edit, Field};
 
 /// What it is called, who has it already, and what is added.
@@ -33,7 +34,7 @@ pub fn show(ui: &mut Ui, entities: &[&Entity], asks: &mut Asks) {
                 if ui.add_enabled(!lacks.is_empty(), egui::Button::new(name)).clicked() {
                     let set = lacks.iter().map(|entity| (entity.id, field())).collect();
                     let title = format!("Add {}", name.to_lowercase());
-                    asks.push(Ask::Commit(Edit::several(title, [Edit::Set(set)])));
+                    asks.push(Intent::Commit(Edit::several(title, [Edit::Set(set)])));
                     ui.close();
                 }
             }

@@ -47,7 +47,7 @@ fn patch(ui: &mut Ui, name: &str, color: Vec3, mixed: bool) -> Touched<Vec3> {
     let shown = color / most;
     let fill: Color32 = Rgba::from_rgb(shown.x, shown.y, shown.z).into();
     let (rect, response) = ui.allocate_exact_size(vec2(36.0, theme::ROW - 4.0), Sense::click());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::ColorButton, ui.is_enabled(), name));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ColorWell, ui.is_enabled(), name));
     ui.painter().rect_filled(rect, 3.0, fill);
     let line = if response.hovered() { theme::accent(ui.visuals()) } else { theme::line(ui.visuals()) };
     ui.painter().rect_stroke(rect, 3.0, egui::Stroke::new(1.0, line), egui::StrokeKind::Inside);

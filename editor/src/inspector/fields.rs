@@ -2,7 +2,7 @@
 
 use eframe::egui;
 use egui::collapsing_header::CollapsingState;
-use egui::{Color32, DragValue, Rect, Response, RichText, Sense, Ui, WidgetInfo, WidgetType, vec2};
+use egui::{Color32, DragValue, Rect, Response, RichText, Sense, Ui, WidgetInfo, Role, vec2};
 
 use super::arithmetic::{self, Unit};
 use crate::icons::{self, Icon};
@@ -145,7 +145,7 @@ pub fn section(ui: &mut Ui, icon: Icon, name: &str, remove: Option<&str>, fields
         ui.spacing_mut().item_spacing.x = 4.0;
         let width = ui.available_width() - if remove.is_some() { 24.0 } else { 0.0 };
         let (rect, head) = ui.allocate_exact_size(vec2(width, theme::ROW - 2.0), Sense::click());
-        head.widget_info(|| WidgetInfo::labeled(WidgetType::CollapsingHeader, true, name));
+        head.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
         paint_head(ui, rect, &head, state.is_open(), icon, name);
         if head.clicked() {
             state.toggle(ui);
@@ -181,7 +181,7 @@ fn paint_head(ui: &Ui, rect: Rect, head: &Response, open: bool, icon: Icon, name
 /// A picture without a frame, for the end of a row; `name` is its tooltip too.
 pub fn small_button(ui: &mut Ui, icon: Icon, name: &str) -> Response {
     let (rect, response) = ui.allocate_exact_size(vec2(18.0, theme::ROW - 2.0), Sense::click());
-    response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, ui.is_enabled(), name));
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, ui.is_enabled(), name));
     let color = if response.hovered() { ui.visuals().strong_text_color() } else { theme::weak(ui.visuals()) };
     icons::paint_scaled(ui.painter(), rect, icon, color, 0.7);
     response.on_hover_text(name)

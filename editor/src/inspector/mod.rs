@@ -18,9 +18,10 @@ use eframe::egui;
 use egui::{ScrollArea, Ui};
 use engine::scene::{Entity, EntityId};
 
-use crate::ask::{Ask, Asks};
+use crate::intents::Intent;
+use crate::ask::Asks;
 use crate::document::Document;
-use crate::edit::{Edit, Field};
+use crate::edit::Field;
 use crate::selection::Selection;
 use crate::viewport::marks::icon_of;
 use crate::{icons, theme};
@@ -92,7 +93,7 @@ impl Inspector {
             self.name = None;
             let name = text.trim();
             if !name.is_empty() && name != known {
-                asks.push(Ask::Commit(Edit::set(ids[0], Field::Name(name.to_owned()))));
+                asks.push(Intent::Rename { id: ids[0], name: name.to_owned() });
             }
         } else if response.has_focus() {
             self.name = Some((ids, text));

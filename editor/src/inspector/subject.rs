@@ -6,7 +6,8 @@ use engine::scene::{Entity, EntityId};
 use glam::DVec3;
 
 use super::fields::{self, Number, Touched};
-use crate::ask::{Ask, Asks};
+use crate::intents::Intent;
+use crate::ask::Asks;
 use crate::edit::{Edit, Field};
 
 type EditOf<K, C> = Box<dyn Fn(Vec<(K, C)>) -> Edit>;
@@ -35,7 +36,7 @@ impl<'a, C: Clone> Subject<'a, EntityId, C> {
     /// All of them lose it; `none` is the field without it.
     pub fn remove(&mut self, none: Field) {
         let fields = self.items.iter().map(|(id, _)| (*id, none.clone()));
-        self.asks.push(Ask::Commit(Edit::several("Remove component", [Edit::Set(fields.collect())])));
+        self.asks.push(Intent::Commit(Edit::several("Remove component", [Edit::Set(fields.collect())])));
     }
 }
 
@@ -72,10 +73,10 @@ impl<'a, K: Clone, C: Clone> Subject<'a, K, C> {
                 (key.clone(), new)
             });
             let edit = (self.edit)(changed.collect());
-            self.asks.push(if touched.dragging { Ask::Preview(edit) } else { Ask::Commit(edit) });
+            self.asks.push(if touched.dragging { Intent::Preview(edit) } else { Intent::Commit(edit) });
         }
         if touched.ended {
-            self.asks.push(Ask::End);
+            self.asks.push(Intent::End);
         }
     }
 

@@ -5,6 +5,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use eframe::egui;
 use egui::{Color32, Label, RichText, ScrollArea, Sense, TextEdit, Ui, vec2};
 
+use crate::intents::Intent;
 use crate::ask::{Ask, Asks};
 use crate::command::Command;
 use crate::icons::{self, Icon};
@@ -69,10 +70,10 @@ impl Console {
             field.ctx.accesskit_node_builder(field.id, |node| node.set_label("Filter the console"));
             ui.add_space(6.0);
             if ui.button("Clear").on_hover_text("Forgets all lines").clicked() {
-                asks.push(Ask::Run(Command::ClearConsole));
+                asks.push(Command::ClearConsole);
             }
             if ui.button("Copy").on_hover_text("All that is shown, as text").clicked() {
-                asks.push(Ask::Run(Command::CopyConsole));
+                asks.push(Command::CopyConsole);
             }
         });
         ui.add_space(3.0);
@@ -115,7 +116,7 @@ fn row(ui: &mut Ui, line: &Line, asks: &mut Asks) {
             response.clone().on_hover_cursor(egui::CursorIcon::PointingHand);
         }
         if let (true, Source::Entity(id)) = (response.clicked(), &line.source) {
-            asks.push(Ask::Select(vec![*id]));
+            asks.push(Intent::Select(vec![*id]));
             asks.push(Ask::Frame(vec![*id]));
         }
         response.on_hover_text(&line.text);

@@ -1,7 +1,7 @@
 //! The game view: the scene through its own camera, as the player shows it.
 
 use eframe::egui;
-use egui::{Align2, Color32, FontId, Rect, Sense, Ui, WidgetInfo, WidgetType, pos2};
+use egui::{Align2, Color32, FontId, Rect, Sense, Ui, WidgetInfo, Role, pos2};
 use engine::render::View;
 use engine::render::outline::Marks;
 
@@ -18,7 +18,7 @@ impl GameView {
     pub fn show(&mut self, ui: &mut Ui, stage: &mut Stage, scenery: &Scenery<'_>) {
         let rect = ui.available_rect_before_wrap();
         let response = ui.allocate_rect(rect, Sense::click());
-        response.widget_info(|| WidgetInfo::labeled(WidgetType::Image, true, "Game view"));
+        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Game view"));
         let Some(eye) = scenery.camera() else {
             let told = "This scene has no camera: create one to see through it.";
             let color = theme::weak(ui.visuals());

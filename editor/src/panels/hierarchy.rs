@@ -10,7 +10,8 @@ use egui::{ScrollArea, Ui, vec2};
 use engine::scene::{Entity, EntityId};
 
 use super::menu;
-use crate::ask::{Ask, Asks};
+use crate::intents::Intent;
+use crate::ask::Asks;
 use crate::command::{Bindings, State};
 use crate::document::Document;
 use crate::icons::{self, Icon};
@@ -77,6 +78,7 @@ pub struct Hierarchy {
     reveal: Option<EntityId>,
     /// Changes of what is collapsed.
     folds: usize,
+    clicked: Option<EntityId>,
 }
 
 /// What the tree is drawn of.
@@ -124,18 +126,21 @@ impl Hierarchy {
         if below.height() < 4.0 {
             return;
         }
-        let response = ui.interact(below, ui.id().with("beside"), egui::Sense::click());
+        let response = ui.interact(below, ui.scope_id().with("beside"), egui::Sense::click());
         if response.clicked() {
-            asks.push(Ask::Select(Vec::new()));
+            asks.push(Intent::Select(Vec::new()));
         }
         if let Some(dropped) = response.dnd_release_payload::<Dragged>() {
-            asks.push(Ask::Reparent { ids: dropped.0.clone(), parent: None, before: None });
+            asks.push(Intent::Reparent { ids: dropped.0.clone(), parent: None, before: None });
         }
         response.context_menu(|ui| menu::context(ui, &tree.state, tree.bindings, asks));
     }
 
-    /// Unfolds all that stands above an entity and brings it into sight.
+    /// Unfolds all that stands above an entity and brings it into sight. What was clicked here is in sight.
     pub fn reveal(&mut self, document: &Document, id: EntityId) {
+        if self.clicked.take() == Some(id) {
+            return;
+        }
         for above in document.indexed().ancestors(id) {
             self.folds += usize::from(self.collapsed.remove(&above.id));
         }
@@ -144,9 +149,15 @@ impl Hierarchy {
 
     pub fn rename(&mut self, document: &Document, id: EntityId) {
         if let Some(entity) = document.entity(id) {
+            self.clicked = None;
             self.reveal(document, id);
             self.renaming = Some((id, entity.name.clone()));
         }
+    }
+
+    /// The search field takes the keyboard.
+    pub fn search(&self, ui: &Ui) {
+        ui.memory_mut(|memory| memory.request_focus(egui::Id::unique("hierarchy search")));
     }
 
     fn search_bar(&mut self, ui: &mut Ui) {
@@ -154,7 +165,7 @@ impl Hierarchy {
             ui.spacing_mut().item_spacing.x = 4.0;
             let kind_width = 82.0;
             let width = (ui.available_width() - kind_width - 8.0).max(40.0);
-            let hint = egui::TextEdit::singleline(&mut self.search).hint_text("Search");
+            let hint = egui::TextEdit::singleline(&mut self.search).id(egui::Id::unique("hierarchy search")).hint_text("Search");
             let field = ui.add_sized(vec2(width, theme::ROW - 2.0), hint);
             field.ctx.accesskit_node_builder(field.id, |node| node.set_label("Search the hierarchy"));
             let chosen = egui::ComboBox::from_id_salt("kind")
@@ -185,18 +196,15 @@ impl Hierarchy {
         self.rows.iter().map(|row| row.id).collect()
     }
 
-    fn click(&self, ui: &Ui, id: EntityId, selection: &Selection, asks: &mut Asks) {
+    fn click(&mut self, ui: &Ui, id: EntityId, asks: &mut Asks) {
         let modifiers = ui.input(|input| input.modifiers);
         let how = match (modifiers.shift, modifiers.command) {
             (true, _) => Click::Range,
             (_, true) => Click::Toggle,
             _ => Click::Replace,
         };
-        asks.push(Ask::Selection({
-            let mut new = selection.clone();
-            new.click(id, how, &self.shown());
-            new
-        }));
+        self.clicked = Some(id);
+        asks.push(Intent::Click { id, how, shown: self.shown() });
     }
 
     fn fold(&mut self, id: EntityId) {

@@ -3,7 +3,7 @@
 use eframe::egui;
 use egui::{Button, MenuBar, Ui};
 
-use crate::ask::{Ask, Asks};
+use crate::ask::Asks;
 use crate::command::{Bindings, Category, Command, ROWS, Row, State};
 use crate::run;
 
@@ -69,7 +69,7 @@ fn entry(ui: &mut Ui, row: &Row, state: &State, bindings: &Bindings, asks: &mut 
     let shortcut = bindings.shortcuts(row.command).first().map_or(String::new(), ToString::to_string);
     let button = Button::new(row.name).shortcut_text(shortcut);
     if ui.add_enabled(row.command.is_enabled(state), button).clicked() {
-        asks.push(Ask::Run(row.command));
+        asks.push(row.command);
         ui.close();
     }
 }
@@ -77,10 +77,11 @@ fn entry(ui: &mut Ui, row: &Row, state: &State, bindings: &Bindings, asks: &mut 
 /// What a right click on an entity, or beside all of them, offers.
 pub fn context(ui: &mut Ui, state: &State, bindings: &Bindings, asks: &mut Asks) {
     ui.set_min_width(200.0);
-    let known: [&[Command]; 4] = [
+    let known: [&[Command]; 5] = [
         &[Command::Cut, Command::Copy, Command::Paste, Command::Duplicate, Command::Delete, Command::Rename],
         &[Command::ParentToActive, Command::Unparent],
-        &[Command::ToggleHidden, Command::Isolate, Command::ShowAll, Command::ToggleStatic, Command::ToggleStaticWithChildren],
+        &[Command::ToggleHidden, Command::Isolate, Command::ShowAll, Command::ToggleLocked],
+        &[Command::ToggleStatic, Command::ToggleStaticWithChildren],
         &[Command::Frame],
     ];
     for (number, group) in known.into_iter().enumerate() {

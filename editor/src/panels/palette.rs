@@ -3,7 +3,7 @@
 use eframe::egui;
 use egui::{Align2, Area, Button, Frame, Id, Key, Modifiers, Order, ScrollArea, TextEdit, Ui, vec2};
 
-use crate::ask::{Ask, Asks};
+use crate::ask::Asks;
 use crate::command::{Bindings, Row, State, search};
 use crate::{run, theme};
 
@@ -57,7 +57,7 @@ impl Palette {
         let beside = shown.response.clicked_elsewhere() && typed.shown;
         typed.shown = true;
         if let Some(row) = given {
-            asks.push(Ask::Run(row.command));
+            asks.push(row.command);
         }
         if given.is_some() || escape || beside {
             self.open = None;

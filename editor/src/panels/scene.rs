@@ -3,14 +3,15 @@
 use std::collections::HashSet;
 
 use eframe::egui;
-use egui::{Align2, Color32, FontId, Key, PointerButton, Pos2, Rect, Response, Sense, Ui, WidgetInfo, WidgetType, pos2, vec2};
+use egui::{Align2, Color32, FontId, Key, PointerButton, Pos2, Rect, Response, Sense, Ui, WidgetInfo, Role, pos2, vec2};
 use engine::render::outline::Marks;
 use engine::render::picking::Pixels;
 use engine::render::{Eye, View};
 use engine::scene::EntityId;
 use glam::DQuat;
 
-use crate::ask::{Ask, Asks};
+use crate::intents::Intent;
+use crate::ask::Asks;
 use crate::camera::ViewCamera;
 use crate::document::Document;
 use crate::gizmo::{self, Change, Grasp, Stand, Steps, Tool};
@@ -70,7 +71,7 @@ impl SceneView {
     pub fn show(&mut self, ui: &mut Ui, stage: &mut Stage, seen: &Seen<'_>, asks: &mut Asks) {
         let rect = ui.available_rect_before_wrap();
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
-        response.widget_info(|| WidgetInfo::labeled(WidgetType::Image, true, "Scene view"));
+        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Scene view"));
         let busy = self.grasp.is_some() || self.boxed.is_some();
         let navigates = !busy && navigate::navigate(ui, &response, &mut self.camera);
         self.flew |= response.dragged_by(PointerButton::Secondary);
@@ -79,7 +80,8 @@ impl SceneView {
         let lens = Lens { eye: self.camera.eye(&exposed_as), rect };
         self.picture(ui, stage, seen, &lens);
         let painter = ui.painter_at(rect);
-        let marks = marks::marks(&lens, seen.scenery.placed().filter(|(entity, _)| !entity.hidden));
+        let open = seen.scenery.placed().filter(|(entity, _)| !entity.hidden && !seen.document.is_locked(entity.id));
+        let marks = marks::marks(&lens, open);
         for (entity, world) in seen.scenery.placed().filter(|(entity, _)| seen.selection.contains(entity.id)) {
             marks::paint_reach(&painter, &lens, entity, world, 16.0 / 9.0);
         }
@@ -199,7 +201,7 @@ impl SceneView {
         }
         let Some((grasp, starts)) = &mut self.grasp else { return };
         if ui.input(|input| input.key_pressed(Key::Escape)) {
-            asks.push(Ask::Cancel);
+            asks.push(Intent::Cancel);
             (self.grasp, self.told) = (None, None);
             return;
         }
@@ -207,11 +209,11 @@ impl SceneView {
             let steps = (self.handling.snap != ctrl).then_some(&self.handling.steps);
             if let Some(change) = grasp.change(lens, at, steps) {
                 let own = !self.handling.centre && starts.len() > 1 && !matches!(change, Change::Move(_));
-                asks.push(Ask::Preview(transform::edit(starts, &grasp.stand, &change, own)));
+                asks.push(Intent::Preview(transform::edit(starts, &grasp.stand, &change, own)));
                 self.told = Some(told(&change));
             }
         } else {
-            asks.push(Ask::End);
+            asks.push(Intent::End);
             (self.grasp, self.told) = (None, None);
         }
     }
@@ -274,14 +276,14 @@ impl SceneView {
             if response.drag_stopped_by(PointerButton::Primary) {
                 self.boxed = None;
                 let found = in_area(ui, lens, area, marks, stage, seen);
-                asks.push(Ask::Select(joined(seen.selection, found, modifiers)));
+                asks.push(Intent::Select(joined(seen.selection, found, modifiers)));
             }
             return;
         }
         let Some(at) = response.interact_pointer_pos() else { return };
         if response.clicked() {
             let found = self.next_under(ui, lens, at, marks, stage, seen, modifiers.any());
-            asks.push(Ask::Select(joined(seen.selection, found.into_iter().collect(), modifiers)));
+            asks.push(Intent::Select(joined(seen.selection, found.into_iter().collect(), modifiers)));
         }
         if response.secondary_clicked() && !std::mem::take(&mut self.flew) {
             let found = all_under(ui, lens, at, marks, stage, seen);
@@ -318,7 +320,7 @@ impl SceneView {
     fn list_under_mouse(&mut self, ui: &Ui, seen: &Seen<'_>, asks: &mut Asks) {
         let Some((at, found)) = self.list.take() else { return };
         let mut open = true;
-        let popup = egui::Popup::new(ui.id().with("under mouse"), ui.ctx().clone(), at, ui.layer_id())
+        let popup = egui::Popup::new(ui.scope_id().with("under mouse"), ui.ctx().clone(), at, ui.layer_id())
             .kind(egui::PopupKind::Menu)
             .close_behavior(egui::PopupCloseBehavior::CloseOnClick)
             .open_bool(&mut open);
@@ -326,7 +328,7 @@ impl SceneView {
             ui.weak("Under the mouse");
             for entity in found.iter().filter_map(|id| seen.document.entity(*id)) {
                 if ui.selectable_label(seen.selection.contains(entity.id), &entity.name).clicked() {
-                    asks.push(Ask::Select(vec![entity.id]));
+                    asks.push(Intent::Select(vec![entity.id]));
                 }
             }
         });
@@ -430,6 +432,8 @@ fn seen_in(
 ) -> Vec<EntityId> {
     let size = Picture::pixels(stage.gpu(), lens.rect.size(), ui.ctx().pixels_per_point());
     let now = seen.scenery.now(lens.eye, View::Composite);
-    let found = stage.renderer.seen_in(&now, size, pixels, without).unwrap_or_default();
+    let locked = seen.scenery.scene.entities.iter().map(|entity| entity.id).filter(|id| seen.document.is_locked(*id));
+    let without = without.iter().copied().chain(locked).collect();
+    let found = stage.renderer.seen_in(&now, size, pixels, &without).unwrap_or_default();
     found.into_iter().filter_map(|at| Some(seen.scenery.scene.entities.get(at)?.id)).collect()
 }

@@ -1,9 +1,9 @@
 //! The bar at the bottom: what was told last, and what is selected.
 
-use eframe::egui::{self, Layout, Sense, Ui, WidgetInfo, WidgetType};
+use eframe::egui::{self, Layout, Sense, Ui, WidgetInfo, Role};
 
 use super::console;
-use crate::ask::{Ask, Asks};
+use crate::ask::Asks;
 use crate::command::Command;
 use crate::icons;
 use crate::log::{Level, Line, Log};
@@ -42,9 +42,9 @@ fn told(ui: &mut Ui, line: &Line, asks: &mut Asks) {
         ui.set_max_width((ui.available_width() - 190.0).max(60.0));
         ui.add(egui::Label::new(egui::RichText::new(text).color(color)).truncate());
     });
-    let response = ui.interact(shown.response.rect, ui.id().with("last line"), Sense::click());
-    response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, "Show the console"));
+    let response = ui.interact(shown.response.rect, ui.scope_id().with("last line"), Sense::click());
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, "Show the console"));
     if response.clicked() {
-        asks.push(Ask::Run(Command::ShowConsole));
+        asks.push(Command::ShowConsole);
     }
 }

@@ -1,13 +1,15 @@
 //! The bar under the menus: tools, how they stand, play.
 
 use eframe::egui;
-use egui::{Ui, vec2};
+use egui::{Layout, Ui, vec2};
 
 use super::scene::Handling;
-use crate::ask::{Ask, Asks};
+use crate::ask::Asks;
+use crate::baking::{Badge, Progress};
 use crate::command::Command;
 use crate::gizmo::Tool;
 use crate::icons::{self, Icon};
+use crate::theme;
 
 const TOOLS: [(Tool, Command, Icon, &str, &str); 4] = [
     (Tool::View, Command::ToolSelect, Icon::View, "Select", "Look and select, nothing else (Q)"),
@@ -24,7 +26,14 @@ pub enum Playing {
     Paused,
 }
 
-pub fn show(ui: &mut Ui, handling: &mut Handling, playing: Playing, asks: &mut Asks) {
+/// What of the light the button shows.
+pub struct Light {
+    pub badge: Badge,
+    /// Of a bake that goes on.
+    pub progress: Option<Progress>,
+}
+
+pub fn show(ui: &mut Ui, handling: &mut Handling, playing: Playing, light: &Light, asks: &mut Asks) {
     ui.horizontal_centered(|ui| {
         ui.spacing_mut().item_spacing.x = 3.0;
         tools(ui, handling, asks);
@@ -33,13 +42,54 @@ pub fn show(ui: &mut Ui, handling: &mut Handling, playing: Playing, asks: &mut A
         let left = (room - width) * 0.5 - ui.min_rect().width();
         ui.add_space(left.max(8.0));
         play(ui, playing, asks);
+        ui.with_layout(Layout::right_to_left(egui::Align::Center), |ui| match &light.progress {
+            Some(progress) => baking(ui, progress, asks),
+            None => bake_button(ui, &light.badge, playing, asks),
+        });
     });
+}
+
+/// What the bake is worth, and the button that makes another.
+fn bake_button(ui: &mut Ui, badge: &Badge, playing: Playing, asks: &mut Asks) {
+    ui.add_enabled_ui(playing == Playing::No, |ui| {
+        let button = ui.button("Bake").on_hover_text("Bakes the light on threads of its own; edit on meanwhile (Ctrl+B)");
+        if button.clicked() {
+            asks.push(Command::Bake);
+        }
+    });
+    let (told, why, color) = match badge {
+        Badge::Missing => ("Not baked", "Only direct light is shown", ui.visuals().warn_fg_color),
+        Badge::Current => ("Light is current", "The bake was made of this scene", CURRENT),
+        Badge::LightOnly => ("Light is current", "Only lights and colors have changed since the bake: they need none", CURRENT),
+        Badge::Stale(why) if why.is_empty() => {
+            ("Bake is stale", "Surfaces have changed since the bake", ui.visuals().warn_fg_color)
+        }
+        Badge::Stale(why) => ("Bake is stale", why.as_str(), ui.visuals().warn_fg_color),
+    };
+    ui.add_space(4.0);
+    let label = ui.label(egui::RichText::new(told).color(theme::weak(ui.visuals())));
+    let (rect, dot) = ui.allocate_exact_size(vec2(12.0, 12.0), egui::Sense::hover());
+    ui.painter().circle_filled(rect.center(), 4.0, color);
+    label.union(dot).on_hover_text(why);
+}
+
+const CURRENT: egui::Color32 = egui::Color32::from_rgb(0x5f, 0xb3, 0x5f);
+
+fn baking(ui: &mut Ui, progress: &Progress, asks: &mut Asks) {
+    if ui.button("Cancel").on_hover_text("The bake stops, and what is shown stays (Ctrl+Shift+B)").clicked() {
+        asks.push(Command::CancelBake);
+    }
+    let left = progress.remaining.map_or(String::new(), |left| format!(", {} s left", left.as_secs() + 1));
+    let text = format!("{} {:.0} %{left}", progress.stage, progress.share * 100.0);
+    let bar = egui::ProgressBar::new(progress.share as f32).desired_width(90.0).desired_height(8.0);
+    ui.add(bar);
+    ui.label(egui::RichText::new(text).color(theme::weak(ui.visuals())));
 }
 
 fn tools(ui: &mut Ui, handling: &mut Handling, asks: &mut Asks) {
     for (tool, command, icon, name, tooltip) in TOOLS {
         if icons::button(ui, icon, name, tooltip, handling.tool == tool).clicked() {
-            asks.push(Ask::Run(command));
+            asks.push(command);
         }
     }
     gap(ui);
@@ -88,15 +138,15 @@ fn play(ui: &mut Ui, playing: Playing, asks: &mut Asks) {
     let (icon, name) = if runs { (Icon::Stop, "Stop") } else { (Icon::Play, "Play") };
     let tooltip = "The scene comes alive; stopping brings back exactly what you made (F5)";
     if icons::button(ui, icon, name, tooltip, runs).clicked() {
-        asks.push(Ask::Run(Command::Play));
+        asks.push(Command::Play);
     }
     ui.add_enabled_ui(runs, |ui| {
         let paused = playing == Playing::Paused;
         if icons::button(ui, Icon::Pause, "Pause", "Time stands still (F6)", paused).clicked() {
-            asks.push(Ask::Run(Command::Pause));
+            asks.push(Command::Pause);
         }
         if icons::button(ui, Icon::Step, "Step", "One picture on, then time stands still (F7)", false).clicked() {
-            asks.push(Ask::Run(Command::Step));
+            asks.push(Command::Step);
         }
     });
 }

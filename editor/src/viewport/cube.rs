@@ -2,7 +2,7 @@
 //! a click on the middle changes between perspective and parallel rays.
 
 use eframe::egui;
-use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Stroke, Ui, Vec2, WidgetInfo, WidgetType, vec2};
+use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Stroke, Ui, Vec2, WidgetInfo, Role, vec2};
 use glam::DVec3;
 
 use crate::camera::ViewCamera;
@@ -33,8 +33,8 @@ pub fn show(ui: &mut Ui, rect: Rect, camera: &mut ViewCamera) -> bool {
     }
     let hub = Rect::from_center_size(middle, Vec2::splat(13.0));
     let name = if camera.orthographic { "Parallel projection" } else { "Perspective" };
-    let response = ui.interact(hub, ui.id().with("projection"), Sense::click());
-    response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, "Perspective or parallel projection"));
+    let response = ui.interact(hub, ui.scope_id().with("projection"), Sense::click());
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, "Perspective or parallel projection"));
     let color = if response.hovered() { theme::GRASPED } else { Color32::from_gray(200) };
     let shape = Rect::from_center_size(middle, Vec2::splat(8.0));
     if camera.orthographic {
@@ -52,8 +52,8 @@ pub fn show(ui: &mut Ui, rect: Rect, camera: &mut ViewCamera) -> bool {
 fn end(ui: &mut Ui, middle: Pos2, at: Pos2, axis: usize, ahead: bool, depth: f32) -> bool {
     let name = format!("Look along {}{}", if ahead { "-" } else { "+" }, NAMES[axis].0);
     let rect = Rect::from_center_size(at, Vec2::splat(BALL * 2.0));
-    let response = ui.interact(rect, ui.id().with(("axis", axis, ahead)), Sense::click());
-    response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, &name));
+    let response = ui.interact(rect, ui.scope_id().with(("axis", axis, ahead)), Sense::click());
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
     let nearness = 0.65 + 0.35 * depth;
     let color = if response.hovered() { theme::GRASPED } else { theme::AXES[axis].gamma_multiply(nearness) };
     if ahead {

@@ -1,13 +1,13 @@
 //! One row: fold, icon, name, and whether it is shown.
 
 use eframe::egui;
-use egui::{Align2, FontId, Key, Rect, Response, Sense, Stroke, Ui, Vec2, WidgetInfo, WidgetType, pos2, vec2};
+use egui::{Align2, FontId, Key, Rect, Response, Sense, Stroke, Ui, Vec2, WidgetInfo, Role, pos2, vec2};
 use engine::scene::Entity;
 
 use super::{Dragged, Hierarchy, Row, Tree, icon, small_icon};
 use super::super::menu;
+use crate::intents::Intent;
 use crate::ask::{Ask, Asks};
-use crate::edit::{Edit, Field};
 use crate::icons::Icon;
 use crate::theme;
 
@@ -25,10 +25,10 @@ impl Hierarchy {
         let Tree { document, selection, .. } = *tree;
         let size = vec2(ui.available_width(), theme::ROW - 2.0);
         let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
-        let id = ui.id().with(("row", entity.id.0));
+        let id = ui.scope_id().with(("row", entity.id.0));
         let response = ui.interact(rect, id, Sense::click_and_drag());
         let selected = selection.contains(entity.id);
-        response.widget_info(|| WidgetInfo::selected(WidgetType::SelectableLabel, true, selected, &entity.name));
+        response.widget_info(|| WidgetInfo::selected(Role::TreeItem, true, selected, &entity.name));
         let is_hidden = entity.hidden || document.scene().is_hidden(entity);
         paint_back(ui, rect, &response, selected);
         let left = rect.left() + 4.0 + f32::from(row.depth) * INDENT;
@@ -51,13 +51,13 @@ impl Hierarchy {
             eye_button(ui, eye, entity, asks);
         }
         if response.clicked() {
-            self.click(ui, entity.id, selection, asks);
+            self.click(ui, entity.id, asks);
         }
         if response.double_clicked() {
             asks.push(Ask::Frame(vec![entity.id]));
         }
         if response.secondary_clicked() && !selected {
-            asks.push(Ask::Select(vec![entity.id]));
+            asks.push(Intent::Select(vec![entity.id]));
         }
         self.drag(ui, rect, &response, entity, tree, asks);
         response.context_menu(|ui| menu::context(ui, &tree.state, tree.bindings, asks));
@@ -86,14 +86,14 @@ impl Hierarchy {
             0.75.. => (entity.parent, next),
             _ => (Some(entity.id), None),
         };
-        asks.push(Ask::Reparent { ids: dropped.0.clone(), parent, before });
+        asks.push(Intent::Reparent { ids: dropped.0.clone(), parent, before });
     }
 
     fn fold_button(&mut self, ui: &Ui, rect: Rect, entity: &Entity) {
         let open = !self.collapsed.contains(&entity.id);
-        let response = ui.interact(rect, ui.id().with(("fold", entity.id.0)), Sense::click());
+        let response = ui.interact(rect, ui.scope_id().with(("fold", entity.id.0)), Sense::click());
         let name = format!("{} {}", if open { "Fold" } else { "Unfold" }, entity.name);
-        response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, &name));
+        response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
         let color = if response.hovered() { ui.visuals().strong_text_color() } else { theme::weak(ui.visuals()) };
         let c = rect.center();
         let points = match open {
@@ -116,7 +116,7 @@ impl Hierarchy {
         } else if response.lost_focus() {
             let name = name.trim().to_owned();
             if !name.is_empty() && name != entity.name {
-                asks.push(Ask::Commit(Edit::set(entity.id, Field::Name(name))));
+                asks.push(Intent::Rename { id: entity.id, name });
             }
             self.renaming = None;
         } else {
@@ -145,12 +145,12 @@ fn color(ui: &Ui, selected: bool, hidden: bool) -> egui::Color32 {
 }
 
 fn eye_button(ui: &Ui, rect: Rect, entity: &Entity, asks: &mut Asks) {
-    let response = ui.interact(rect, ui.id().with(("eye", entity.id.0)), Sense::click());
+    let response = ui.interact(rect, ui.scope_id().with(("eye", entity.id.0)), Sense::click());
     let name = format!("{} {}", if entity.hidden { "Show" } else { "Hide" }, entity.name);
-    response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, &name));
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
     let color = if response.hovered() { ui.visuals().strong_text_color() } else { theme::weak(ui.visuals()) };
     small_icon(ui, rect, if entity.hidden { Icon::EyeShut } else { Icon::Eye }, color);
     if response.on_hover_text(name).clicked() {
-        asks.push(Ask::Commit(Edit::set(entity.id, Field::Hidden(!entity.hidden))));
+        asks.push(Intent::Hide { ids: vec![entity.id], hidden: !entity.hidden });
     }
 }

@@ -1,0 +1,86 @@
+//! What goes on beside the editing: bakes, recovery files, files that others change.
+
+use std::time::Instant;
+
+use bake::Settings;
+use eframe::egui::Ui;
+
+use super::Editor;
+use crate::baking::Badge;
+use crate::command::Command;
+use crate::document::Event;
+use crate::intents::Session;
+use crate::log::Source;
+use crate::scenery::AsBaked;
+use crate::watch::Changed;
+
+impl Editor {
+    /// With every picture. Waits for nothing.
+    pub(super) fn beside(&mut self, ui: &Ui) {
+        for event in self.session.document.tick(Instant::now()) {
+            self.tell(event);
+        }
+        self.take_bake();
+        if !matches!(self.baking.badge(&self.session.document), Badge::Current | Badge::LightOnly) {
+            self.baking.compare(&self.session.document, &self.assets);
+        }
+        let wait = if self.baking.progress().is_some() { 100 } else { 1000 };
+        ui.ctx().request_repaint_after(std::time::Duration::from_millis(wait));
+    }
+
+    fn tell(&self, event: Event) {
+        let Session { document, log, .. } = &self.session;
+        match event {
+            Event::Saved(Ok(())) => log.info(format!("Saved {}", document.path().display())),
+            Event::Saved(Err(error)) => log.error(Source::File(document.path()), bake::chain::told(&error)),
+            Event::NotRecoverable(error) | Event::NotNoted(error) => log.scene_error(&error, document.scene()),
+            Event::SceneChanged(Changed::Written | Changed::New) => log.warning(
+                Source::File(document.path()),
+                "Another program has written the scene's file: File > Reload from disk takes it over",
+            ),
+            Event::SceneChanged(Changed::Gone) => {
+                log.warning(Source::File(document.path()), "The scene's file is gone: saving writes it again");
+            }
+            Event::AssetChanged(path, _) => {
+                log.info(format!("{} has changed: open the project again to see it", path.display()));
+            }
+        }
+    }
+
+    pub(crate) fn run_bake(&mut self, command: Command) {
+        if command == Command::CancelBake {
+            self.session.log.info("The bake stops");
+            return self.baking.cancel();
+        }
+        match self.baking.start(&self.session.document, Settings::default()) {
+            Ok(()) => self.session.log.info("Baking"),
+            Err(error) => self.session.log.error(Source::Nothing, error),
+        }
+    }
+
+    fn take_bake(&mut self) {
+        let Some(ended) = self.baking.poll() else { return };
+        let Session { document, log, .. } = &self.session;
+        match ended {
+            Ok(warnings) => {
+                log.warnings(&warnings, document.scene());
+                log.info("Baked");
+                self.relight();
+            }
+            Err(error) => log.error(Source::Nothing, error),
+        }
+    }
+
+    /// The light of the bake that has just ended.
+    fn relight(&mut self) {
+        let Some(transport) = self.baking.transport().cloned() else { return };
+        let Session { document, log, .. } = &self.session;
+        if let Err(error) = self.stage.relight(transport.clone(), &self.assets) {
+            return log.error(Source::Nothing, error.to_string());
+        }
+        self.baked = AsBaked::of(document.scene(), &self.assets, &transport);
+        self.placed.forget();
+        self.scene.picture.forget();
+        self.game.picture.forget();
+    }
+}
