@@ -25,6 +25,7 @@ use crate::keys;
 use crate::layout::{self, Docks, Layout, Pane};
 use crate::log::{Log, Source};
 use crate::opened::Opened;
+use crate::panels::assets::AssetList;
 use crate::panels::console::Console;
 use crate::panels::game::GameView;
 use crate::panels::hierarchy::{Hierarchy, Tree};
@@ -55,6 +56,7 @@ pub struct Editor {
     game: GameView,
     pub(crate) hierarchy: Hierarchy,
     inspector: Inspector,
+    files: AssetList,
     pub(crate) console: Console,
     pub(crate) palette: Palette,
     status: Status,
@@ -108,6 +110,7 @@ impl Editor {
             game: GameView::default(),
             hierarchy: Hierarchy::default(),
             inspector: Inspector::default(),
+            files: AssetList::default(),
             console: Console::default(),
             palette: Palette::default(),
             status: Status::default(),
@@ -132,7 +135,11 @@ impl Editor {
         self.apply_preferences(ctx);
         self.placed.follow(&self.session.document, &self.assets, &self.baked);
         if let Some((low, high)) = self.scenery().extent(|entity| entity.mesh.is_some()) {
-            self.scene.camera = ViewCamera::framing(low, high);
+            // The scene's own camera knows best where to look from.
+            let framed = ViewCamera::framing(low, high);
+            let own = self.scenery().camera().map(|eye| ViewCamera::as_eye(&eye, framed.pivot));
+            self.scene.camera = own.unwrap_or(framed);
+            self.scene.camera.speed = framed.speed;
         }
         let path = self.session.document.path();
         self.session.log.info(format!("Opened {}", path.display()));
@@ -168,7 +175,7 @@ impl Editor {
             play.advance(&self.assets);
             ui.ctx().request_repaint();
         }
-        if self.leaving.is_none() && !self.open.is_open() {
+        if self.leaving.is_none() && !self.open.is_open() && self.session.document.recovery().is_none() {
             keys::pressed(ui, &self.bindings).into_iter().for_each(|command| self.asks.push(command));
         }
         self.bars(ui);
@@ -228,6 +235,7 @@ impl Editor {
                 let Session { document, selection, .. } = &self.session;
                 self.inspector.show(ui, document, selection, playing, &mut self.asks);
             }
+            Pane::Assets => self.files.show(ui, &self.session.document, &mut self.asks),
             Pane::Console => self.console.show(ui, &self.session.log, &mut self.asks),
             _ => statistics::show(ui, &self.stage, &self.scene.picture, &scenery),
         });

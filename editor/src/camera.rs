@@ -46,6 +46,15 @@ impl ViewCamera {
         camera
     }
 
+    /// As somebody else looks at a point's depth: a scene's camera.
+    pub fn as_eye(eye: &Eye, about: DVec3) -> Self {
+        let mut camera = Self::default();
+        camera.look_along(eye.rotation * DVec3::NEG_Z);
+        camera.distance = (about - eye.position).dot(camera.forward()).clamp(0.1, FARTHEST);
+        camera.pivot = eye.position + camera.forward() * camera.distance;
+        camera
+    }
+
     pub fn rotation(&self) -> DQuat {
         DQuat::from_rotation_y(self.yaw) * DQuat::from_rotation_x(self.pitch)
     }

@@ -14,13 +14,21 @@ pub enum Pane {
     Scene,
     Game,
     Inspector,
+    Assets,
     Console,
     Statistics,
 }
 
 impl Pane {
-    pub const ALL: [Self; 6] =
-        [Self::Hierarchy, Self::Scene, Self::Game, Self::Inspector, Self::Console, Self::Statistics];
+    pub const ALL: [Self; 7] = [
+        Self::Hierarchy,
+        Self::Scene,
+        Self::Game,
+        Self::Inspector,
+        Self::Assets,
+        Self::Console,
+        Self::Statistics,
+    ];
 
     pub fn name(self) -> &'static str {
         match self {
@@ -28,6 +36,7 @@ impl Pane {
             Self::Scene => "Scene",
             Self::Game => "Game",
             Self::Inspector => "Inspector",
+            Self::Assets => "Assets",
             Self::Console => "Console",
             Self::Statistics => "Statistics",
         }
@@ -45,7 +54,7 @@ pub fn default_layout() -> Layout {
     };
     let left = tabs(&[Pane::Hierarchy]);
     let pictures = tabs(&[Pane::Scene, Pane::Game]);
-    let below = tabs(&[Pane::Console, Pane::Statistics]);
+    let below = tabs(&[Pane::Assets, Pane::Console, Pane::Statistics]);
     let right = tabs(&[Pane::Inspector]);
     let middle = split(&mut tiles, LinearDir::Vertical, &[(pictures, 0.77), (below, 0.23)]);
     let root = split(&mut tiles, LinearDir::Horizontal, &[(left, 0.18), (middle, 0.585), (right, 0.235)]);

@@ -120,7 +120,8 @@ mod tests {
     #[test]
     fn what_is_projected_lies_on_the_ray_back() {
         for orthographic in [false, true] {
-            let camera = ViewCamera { orthographic, ..ViewCamera::default() };
+            let mut camera = ViewCamera::default();
+            camera.orthographic = orthographic;
             let plain = Eye::looking(DVec3::Z, DVec3::ZERO);
             let rect = Rect::from_min_size(pos2(30.0, 50.0), egui::vec2(640.0, 360.0));
             let lens = Lens { eye: camera.eye(&plain), rect };

@@ -16,7 +16,7 @@ use crate::recent::Theme;
 use crate::tools;
 
 /// Commands of the table that this editor has no part for yet: no menu shows them, no key gives them.
-const NOT_YET: [Command; 21] = [
+const NOT_YET: [Command; 20] = [
     Command::NewProject,
     Command::NewScene,
     Command::OpenScene,
@@ -36,7 +36,6 @@ const NOT_YET: [Command; 21] = [
     Command::EditLightProbes,
     Command::ShowTetrahedra,
     Command::ShowProbeSlice,
-    Command::ShowAssets,
     Command::Shortcuts,
 ];
 
@@ -83,6 +82,7 @@ fn pane(command: Command) -> Option<Pane> {
         Command::ShowScene => Pane::Scene,
         Command::ShowGame => Pane::Game,
         Command::ShowInspector => Pane::Inspector,
+        Command::ShowAssets => Pane::Assets,
         Command::ShowConsole => Pane::Console,
         Command::ShowStatistics => Pane::Statistics,
         _ => return None,

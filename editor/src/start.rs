@@ -14,9 +14,11 @@ use engine::play::{self, Options};
 const SAMPLE: &str = "projects/cornell";
 
 pub fn run(project: Option<PathBuf>) -> Result<()> {
+    // The sample is to be seen in its own light at once; somebody's own project is baked when they ask for it.
+    let is_sample = project.is_none();
     let project = project.map_or_else(sample, Ok)?;
     if has_display() {
-        match edit(&project) {
+        match edit(&project, is_sample) {
             Err(NoWindow(why)) => eprintln!("no window ({why}): playing without one"),
             Ok(edited) => return edited,
         }
@@ -30,12 +32,12 @@ pub fn run(project: Option<PathBuf>) -> Result<()> {
 /// Why the editor cannot be shown.
 struct NoWindow(String);
 
-fn edit(project: &Path) -> Result<Result<()>, NoWindow> {
+fn edit(project: &Path, bake_first: bool) -> Result<Result<()>, NoWindow> {
     let opened = match Opened::load(project, None) {
         Ok(opened) => opened,
         Err(error) => return Ok(Err(error.into())),
     };
-    app::run(opened).map(Ok).map_err(|error| NoWindow(error.to_string()))
+    app::run(opened, bake_first).map(Ok).map_err(|error| NoWindow(error.to_string()))
 }
 
 /// Nothing is traced where the bake on disk is current.

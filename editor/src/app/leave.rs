@@ -44,7 +44,34 @@ impl Editor {
             }
         }
         self.confirm(ui);
+        self.offer_recovery(ui);
         self.take_loaded(ui);
+    }
+
+    /// What was not saved when the editor ended last.
+    fn offer_recovery(&mut self, ui: &Ui) {
+        let document = &mut self.session.document;
+        if document.recovery().is_none() {
+            return;
+        }
+        let mut answer = None;
+        Modal::new(egui::Id::unique("recovery")).show(ui.ctx(), |ui| {
+            ui.set_width(380.0);
+            ui.label(RichText::new("Unsaved work was found").heading());
+            ui.add_space(6.0);
+            ui.label(format!("The editor ended before `{}` was saved. What it kept can be taken over.", document.name()));
+            ui.add_space(12.0);
+            answer = choice(ui, &["Recover", "Discard"]);
+        });
+        match answer {
+            Some("Recover") => {
+                if let Err(error) = document.recover() {
+                    self.session.log.scene_error(&error, self.session.document.scene());
+                }
+            }
+            Some(_) => document.discard_recovery(),
+            None => {}
+        }
     }
 
     fn confirm(&mut self, ui: &Ui) {
@@ -56,13 +83,7 @@ impl Editor {
             ui.add_space(6.0);
             ui.label("It has changes that are not saved.");
             ui.add_space(12.0);
-            ui.horizontal(|ui| {
-                for choice in ["Save", "Discard", "Cancel"] {
-                    if ui.add(egui::Button::new(choice).min_size(egui::vec2(84.0, 24.0))).clicked() {
-                        answer = Some(choice);
-                    }
-                }
-            });
+            answer = choice(ui, &["Save", "Discard", "Cancel"]);
         });
         match answer {
             Some("Save") => {
@@ -148,4 +169,10 @@ impl Editor {
         self.scene.handling = handling;
         self.arrived(ui.ctx());
     }
+}
+
+/// A row of buttons, and which was pressed.
+fn choice(ui: &mut Ui, names: &[&'static str]) -> Option<&'static str> {
+    let button = |ui: &mut Ui, name: &str| ui.add(egui::Button::new(name).min_size(egui::vec2(84.0, 24.0))).clicked();
+    ui.horizontal(|ui| names.iter().copied().filter(|name| button(ui, name)).last()).inner
 }

@@ -8,6 +8,8 @@ use egui::Ui;
 use engine::gpu::Gpu;
 
 use super::Editor;
+use crate::baking::Badge;
+use crate::command::Command;
 use crate::opened::Opened;
 use crate::recent;
 
@@ -27,8 +29,8 @@ pub fn wgpu_setup(mut setup: WgpuSetupCreateNew) -> WgpuSetup {
     WgpuSetup::CreateNew(setup)
 }
 
-/// Opens a window and stays until it is closed.
-pub fn run(opened: Opened) -> eframe::Result {
+/// Opens a window and stays until it is closed. `bake_first`: a scene that was never baked is, at once.
+pub fn run(opened: Opened, bake_first: bool) -> eframe::Result {
     let mut wgpu_options = WgpuConfiguration::default();
     if let WgpuSetup::CreateNew(setup) = wgpu_options.wgpu_setup {
         wgpu_options.wgpu_setup = wgpu_setup(setup);
@@ -41,7 +43,10 @@ pub fn run(opened: Opened) -> eframe::Result {
     let options = eframe::NativeOptions { viewport, wgpu_options, ..Default::default() };
     let create = |cc: &eframe::CreationContext<'_>| {
         let state = cc.wgpu_render_state.as_ref().ok_or("the window has no GPU")?;
-        let editor = Editor::new(&cc.egui_ctx, state, opened, recent::folder())?;
+        let mut editor = Editor::new(&cc.egui_ctx, state, opened, recent::folder())?;
+        if bake_first && editor.baking.badge(&editor.session.document) == Badge::Missing {
+            editor.run_bake(Command::Bake);
+        }
         Ok(Box::new(editor) as Box<dyn eframe::App>)
     };
     eframe::run_native("hohlraum", options, Box::new(create))

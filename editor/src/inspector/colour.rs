@@ -23,6 +23,7 @@ pub fn row<K: Clone, C: Clone>(
         ui.add_space(2.0);
         let gap = 3.0;
         ui.spacing_mut().item_spacing.x = gap;
+        ui.spacing_mut().button_padding.x = 2.0;
         let width = ((ui.available_width() - 2.0 * gap) / 3.0).max(24.0);
         let number = Number { least: 0.0, speed: 0.004, ..Number::default() };
         let parts = [0, 1, 2].map(|part| {

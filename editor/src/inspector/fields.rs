@@ -113,6 +113,7 @@ pub fn vector(ui: &mut Ui, name: &str, number: &Number, values: [Option<f64>; 3]
     let letter = 11.0;
     let width = ((ui.available_width() - 2.0 * gap) / 3.0 - letter).max(24.0);
     ui.spacing_mut().item_spacing.x = gap;
+    ui.spacing_mut().button_padding.x = 2.0;
     [0, 1, 2].map(|axis| {
         ui.scope(|ui| {
             ui.spacing_mut().item_spacing.x = 0.0;

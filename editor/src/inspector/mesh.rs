@@ -80,7 +80,7 @@ fn material(ui: &mut Ui, of: &mut Meshes<'_>, document: &Document, slot: usize, 
     fields::row(ui, &name, "What its surface is made of; materials are shared", |ui| {
         let shown = ComboBox::from_id_salt(&name)
             .selected_text(shared.map_or("\u{2014}", named))
-            .width(ui.available_width() - 8.0)
+            .width(ui.available_width())
             .show_ui(ui, |ui| {
                 for material in &document.scene().materials {
                     if ui.selectable_label(shared == Some(material.id), &material.name).clicked() {

@@ -164,7 +164,7 @@ impl<'a, K: Clone, C: Clone> Subject<'a, K, C> {
         fields::row(ui, name, tooltip, |ui| {
             let shown = ComboBox::from_id_salt(name)
                 .selected_text(shared.as_ref().map_or("\u{2014}", said))
-                .width(ui.available_width() - 8.0)
+                .width(ui.available_width())
                 .show_ui(ui, |ui| {
                     for (choice, name) in choices {
                         if ui.selectable_label(shared.as_ref() == Some(choice), *name).clicked() {

@@ -1,6 +1,7 @@
 //! The panels: one file each. They read the document and ask for edits; none of them changes anything but how it looks
 //! itself.
 
+pub mod assets;
 pub mod console;
 pub mod game;
 pub mod hierarchy;

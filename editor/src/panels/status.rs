@@ -34,7 +34,7 @@ impl Status {
 }
 
 fn told(ui: &mut Ui, line: &Line, asks: &mut Asks) {
-    let shown = ui.scope(|ui| {
+    let shown = ui.horizontal(|ui| {
         icons::label(ui, console::icon(line.level), console::color(ui, line.level));
         let text = line.text.lines().next().unwrap_or_default();
         let is_remark = line.level == Level::Info;
