@@ -79,6 +79,8 @@ pub struct Hierarchy {
     /// Changes of what is collapsed.
     folds: usize,
     clicked: Option<EntityId>,
+    /// Points that the list is scrolled by.
+    scrolled: f32,
 }
 
 /// What the tree is drawn of.
@@ -98,8 +100,12 @@ impl Hierarchy {
         ui.spacing_mut().item_spacing.y = 0.0;
         let mut area = ScrollArea::vertical().auto_shrink(false);
         if let Some(at) = self.reveal.take().and_then(|id| self.rows.iter().position(|row| row.id == id)) {
-            let middle = at as f32 * height - ui.available_height() * 0.5;
-            area = area.vertical_scroll_offset(middle.max(0.0));
+            let (top, room) = (at as f32 * height, ui.available_height());
+            // What is in sight stays where it is.
+            if top < self.scrolled || top + height > self.scrolled + room {
+                let last = self.rows.len() as f32 * height - room;
+                area = area.vertical_scroll_offset((top - room * 0.5).min(last).max(0.0));
+            }
         }
         if self.rows.is_empty() {
             ui.add_space(12.0);
@@ -107,7 +113,7 @@ impl Hierarchy {
             return;
         }
         let rows = self.rows.len();
-        area.show_rows(ui, height, rows, |ui, range| {
+        let shown = area.show_rows(ui, height, rows, |ui, range| {
             for at in range {
                 let row = self.rows[at];
                 if let Some(entity) = tree.document.entity(row.id) {
@@ -116,6 +122,7 @@ impl Hierarchy {
             }
             self.beside(ui, tree, asks);
         });
+        self.scrolled = shown.state.offset.y;
     }
 
     /// The room under the last row: a click selects nothing, a right click offers to create, what is dropped there stands

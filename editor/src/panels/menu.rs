@@ -66,12 +66,23 @@ fn entries(ui: &mut Ui, categories: &[Category], state: &State, bindings: &Bindi
 }
 
 fn entry(ui: &mut Ui, row: &Row, state: &State, bindings: &Bindings, asks: &mut Asks) {
-    let shortcut = bindings.shortcuts(row.command).first().map_or(String::new(), ToString::to_string);
-    let button = Button::new(row.name).shortcut_text(shortcut);
-    if ui.add_enabled(row.command.is_enabled(state), button).clicked() {
+    // Under `Create` the verb is said already.
+    let shown = row.name.strip_prefix("Create ").filter(|_| row.category == Category::Create);
+    let mut button = Button::new(shown.map_or(row.name.to_owned(), capital));
+    if let Some(shortcut) = bindings.shortcuts(row.command).first() {
+        button = button.shortcut_text(shortcut.to_string());
+    }
+    let response = ui.add_enabled(row.command.is_enabled(state), button);
+    response.ctx.accesskit_node_builder(response.id, |node| node.set_label(row.name));
+    if response.clicked() {
         asks.push(row.command);
         ui.close();
     }
+}
+
+fn capital(name: &str) -> String {
+    let mut letters = name.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// What a right click on an entity, or beside all of them, offers.

@@ -89,7 +89,12 @@ impl Typed {
         ScrollArea::vertical().max_height(320.0).auto_shrink([false, true]).show(ui, |ui| {
             for (at, row) in rows.iter().enumerate() {
                 let keys = bindings.shortcuts(row.command).first().map_or(String::new(), ToString::to_string);
-                let name = format!("{}: {}", row.category.name(), row.name);
+                let category = row.category.name();
+                // `Create cube` says what it belongs to.
+                let name = match row.name.starts_with(category) {
+                    true => row.name.to_owned(),
+                    false => format!("{category}: {}", row.name),
+                };
                 let button = Button::selectable(at == self.chosen, name).shortcut_text(keys);
                 let button = button.min_size(vec2(ui.available_width(), theme::ROW));
                 let response = ui.add_enabled(row.command.is_enabled(state), button);

@@ -39,8 +39,10 @@ fn told(ui: &mut Ui, line: &Line, asks: &mut Asks) {
         let text = line.text.lines().next().unwrap_or_default();
         let is_remark = line.level == Level::Info;
         let color = if is_remark { theme::weak(ui.visuals()) } else { ui.visuals().text_color() };
-        ui.set_max_width((ui.available_width() - 190.0).max(60.0));
-        ui.add(egui::Label::new(egui::RichText::new(text).color(color)).truncate());
+        ui.scope(|ui| {
+            ui.set_max_width((ui.available_width() - 190.0).max(60.0));
+            ui.add(egui::Label::new(egui::RichText::new(text).color(color)).truncate());
+        });
     });
     let response = ui.interact(shown.response.rect, ui.scope_id().with("last line"), Sense::click());
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, "Show the console"));
