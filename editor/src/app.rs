@@ -88,7 +88,8 @@ impl Editor {
         log.warnings(broken.as_slice(), opened.document.scene());
         let (bindings, odd) = Bindings::from_preferences(&preferences.shortcuts);
         odd.into_iter().for_each(|odd| log.warning(Source::Nothing, odd));
-        let layout = preferences.layout.as_deref().and_then(layout::read).unwrap_or_else(layout::default_layout);
+        let layout =
+            preferences.layout.as_deref().and_then(layout::read).unwrap_or_else(layout::default_layout);
         let Opened { document, assets, shown, baked, cubemaps, unlimited_gain, warnings } = opened;
         log.warnings(&warnings, document.scene());
         let settings = Settings { unlimited_gain, ..Settings::default() };
@@ -194,7 +195,8 @@ impl Editor {
         let top = Panel::top("menus").exact_size(26.0).frame(bar).show_separator_line(false);
         top.show(ui, |ui| menu::show(ui, &state, &self.bindings, &mut self.asks));
         let tools = Panel::top("toolbar").exact_size(32.0).frame(bar).show_separator_line(false);
-        let light = Light { badge: self.baking.badge(&self.session.document), progress: self.baking.progress() };
+        let light =
+            Light { badge: self.baking.badge(&self.session.document), progress: self.baking.progress() };
         tools.show(ui, |ui| toolbar::show(ui, &mut self.scene.handling, playing, &light, &mut self.asks));
         let bottom = Panel::bottom("status").exact_size(24.0).frame(bar).show_separator_line(false);
         let Session { document, selection, log, .. } = &self.session;

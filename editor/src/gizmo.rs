@@ -100,9 +100,7 @@ pub fn handles(tool: Tool) -> &'static [Handle] {
             Handle::MovePlane(2),
         ],
         Tool::Rotate => &[Handle::Ring(0), Handle::Ring(1), Handle::Ring(2), Handle::RingScreen],
-        Tool::Scale => {
-            &[Handle::ScaleAll, Handle::ScaleAxis(0), Handle::ScaleAxis(1), Handle::ScaleAxis(2)]
-        }
+        Tool::Scale => &[Handle::ScaleAll, Handle::ScaleAxis(0), Handle::ScaleAxis(1), Handle::ScaleAxis(2)],
     }
 }
 
@@ -246,7 +244,8 @@ mod tests {
     fn a_pull_along_an_axis_moves_by_what_the_mouse_passes_on_it() {
         let Change::Move(way) = pulled(Handle::MoveAxis(0), DVec3::X, DVec3::X * 2.5, None) else { panic!() };
         assert!(way.abs_diff_eq(DVec3::X * 1.5, 1e-3), "{way}");
-        let Change::Move(way) = pulled(Handle::MoveAxis(0), DVec3::X, DVec3::X * 2.4, Some(&Steps::default()))
+        let Change::Move(way) =
+            pulled(Handle::MoveAxis(0), DVec3::X, DVec3::X * 2.4, Some(&Steps::default()))
         else {
             panic!()
         };
@@ -277,7 +276,9 @@ mod tests {
 
     #[test]
     fn a_pull_at_a_scale_handle_scales_by_the_share_of_its_length() {
-        let Change::Scale(scale) = pulled(Handle::ScaleAxis(2), DVec3::Z, DVec3::Z * 2.0, None) else { panic!() };
+        let Change::Scale(scale) = pulled(Handle::ScaleAxis(2), DVec3::Z, DVec3::Z * 2.0, None) else {
+            panic!()
+        };
         assert!(scale.abs_diff_eq(DVec3::new(1.0, 1.0, 2.0), 1e-3), "{scale}");
     }
 }

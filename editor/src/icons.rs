@@ -2,7 +2,9 @@
 //! and in any theme.
 
 use eframe::egui;
-use egui::{Color32, Painter, Pos2, Rect, Response, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo, Role, pos2, vec2};
+use egui::{
+    Color32, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo, pos2, vec2,
+};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Icon {
@@ -114,10 +116,7 @@ fn parts(icon: Icon) -> &'static [Part] {
             Open(&[(6.0, 10.0), (12.8, 3.2)]),
             Open(&[(9.4, 3.0), (13.0, 3.0), (13.0, 6.6)]),
         ],
-        Icon::Centre => &[
-            Closed(&[(2.8, 2.8), (13.2, 2.8), (13.2, 13.2), (2.8, 13.2)]),
-            Disc(8.0, 8.0, 2.0),
-        ],
+        Icon::Centre => &[Closed(&[(2.8, 2.8), (13.2, 2.8), (13.2, 13.2), (2.8, 13.2)]), Disc(8.0, 8.0, 2.0)],
         Icon::Snap => &[
             Open(&[
                 (3.0, 2.5),
@@ -200,10 +199,9 @@ fn parts(icon: Icon) -> &'static [Part] {
             Disc(12.0, 3.5, 2.1),
             Disc(8.5, 12.5, 2.1),
         ],
-        Icon::ReflectionProbe | Icon::Material => &[
-            Circle(8.0, 8.0, 5.7),
-            Open(&[(4.6, 7.4), (5.4, 5.6), (7.2, 4.6)]),
-        ],
+        Icon::ReflectionProbe | Icon::Material => {
+            &[Circle(8.0, 8.0, 5.7), Open(&[(4.6, 7.4), (5.4, 5.6), (7.2, 4.6)])]
+        }
         Icon::Eye => &[
             Open(&[(2.0, 8.0), (5.0, 4.8), (8.0, 4.0), (11.0, 4.8), (14.0, 8.0)]),
             Open(&[(2.0, 8.0), (5.0, 11.2), (8.0, 12.0), (11.0, 11.2), (14.0, 8.0)]),
@@ -227,14 +225,9 @@ fn parts(icon: Icon) -> &'static [Part] {
         Icon::Search => &[Circle(6.8, 6.8, 4.2), Open(&[(9.9, 9.9), (13.6, 13.6)])],
         Icon::Close => &[Open(&[(4.0, 4.0), (12.0, 12.0)]), Open(&[(12.0, 4.0), (4.0, 12.0)])],
         Icon::More => &[Disc(8.0, 3.5, 1.2), Disc(8.0, 8.0, 1.2), Disc(8.0, 12.5, 1.2)],
-        Icon::Folder => &[Closed(&[
-            (1.8, 3.4),
-            (6.2, 3.4),
-            (7.8, 5.2),
-            (14.2, 5.2),
-            (14.2, 12.8),
-            (1.8, 12.8),
-        ])],
+        Icon::Folder => {
+            &[Closed(&[(1.8, 3.4), (6.2, 3.4), (7.8, 5.2), (14.2, 5.2), (14.2, 12.8), (1.8, 12.8)])]
+        }
         Icon::File => &[
             Closed(&[(3.6, 1.8), (9.6, 1.8), (12.6, 4.8), (12.6, 14.2), (3.6, 14.2)]),
             Open(&[(9.4, 2.0), (9.4, 5.0), (12.4, 5.0)]),
@@ -244,21 +237,15 @@ fn parts(icon: Icon) -> &'static [Part] {
             Open(&[(2.4, 11.6), (6.2, 7.6), (9.0, 10.4), (11.0, 8.6), (13.8, 11.2)]),
             Disc(10.6, 5.8, 1.2),
         ],
-        Icon::Info => &[
-            Circle(8.0, 8.0, 6.0),
-            Open(&[(8.0, 7.2), (8.0, 11.6)]),
-            Disc(8.0, 4.9, 0.95),
-        ],
+        Icon::Info => &[Circle(8.0, 8.0, 6.0), Open(&[(8.0, 7.2), (8.0, 11.6)]), Disc(8.0, 4.9, 0.95)],
         Icon::Warning => &[
             Closed(&[(8.0, 2.0), (14.6, 13.4), (1.4, 13.4)]),
             Open(&[(8.0, 6.2), (8.0, 9.8)]),
             Disc(8.0, 11.7, 0.9),
         ],
-        Icon::Error => &[
-            Circle(8.0, 8.0, 6.0),
-            Open(&[(5.6, 5.6), (10.4, 10.4)]),
-            Open(&[(10.4, 5.6), (5.6, 10.4)]),
-        ],
+        Icon::Error => {
+            &[Circle(8.0, 8.0, 6.0), Open(&[(5.6, 5.6), (10.4, 10.4)]), Open(&[(10.4, 5.6), (5.6, 10.4)])]
+        }
         Icon::Bake => &[
             Closed(&[(2.5, 2.5), (13.5, 2.5), (13.5, 13.5), (2.5, 13.5)]),
             Open(&[(2.5, 8.0), (13.5, 8.0)]),
@@ -274,7 +261,17 @@ fn parts(icon: Icon) -> &'static [Part] {
             Open(&[(2.5, 9.8), (13.5, 9.8)]),
         ],
         Icon::Reset => &[
-            Open(&[(3.4, 6.2), (5.6, 3.8), (8.6, 3.0), (11.6, 4.2), (13.2, 7.0), (12.8, 10.2), (10.6, 12.6), (7.4, 13.0), (4.6, 11.6)]),
+            Open(&[
+                (3.4, 6.2),
+                (5.6, 3.8),
+                (8.6, 3.0),
+                (11.6, 4.2),
+                (13.2, 7.0),
+                (12.8, 10.2),
+                (10.6, 12.6),
+                (7.4, 13.0),
+                (4.6, 11.6),
+            ]),
             Open(&[(2.8, 2.8), (3.2, 6.4), (6.8, 6.2)]),
         ],
         Icon::Orthographic => &[
@@ -333,7 +330,8 @@ fn draw_button(ui: &Ui, rect: Rect, response: &Response, icon: Icon, selected: b
         let stroke = Stroke::new(1.0, crate::theme::accent(ui.visuals()));
         ui.painter().rect_stroke(rect, visuals.corner_radius, stroke, egui::StrokeKind::Inside);
     }
-    let color = if ui.is_enabled() { visuals.text_color() } else { ui.visuals().gray_out(visuals.text_color()) };
+    let color =
+        if ui.is_enabled() { visuals.text_color() } else { ui.visuals().gray_out(visuals.text_color()) };
     paint(ui.painter(), rect, icon, color);
 }
 

@@ -12,7 +12,10 @@ pub fn pressed(ui: &Ui, bindings: &Bindings) -> Vec<Command> {
     let popup = egui::Popup::is_any_open(ui.ctx());
     ui.input(|input| {
         let given = input.events.iter().filter_map(|event| command(event, bindings));
-        given.filter(|(shortcut, _)| !popup && !flying && (!typing || is_for_all(shortcut))).map(|(_, c)| c).collect()
+        given
+            .filter(|(shortcut, _)| !popup && !flying && (!typing || is_for_all(shortcut)))
+            .map(|(_, c)| c)
+            .collect()
     })
 }
 

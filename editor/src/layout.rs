@@ -2,7 +2,9 @@
 
 use eframe::egui;
 use egui::{Color32, Stroke, Style, Ui, Visuals, WidgetText};
-use egui_tiles::{Container, Linear, LinearDir, SimplificationOptions, TabState, Tile, TileId, Tiles, Tree, UiResponse};
+use egui_tiles::{
+    Container, Linear, LinearDir, SimplificationOptions, TabState, Tile, TileId, Tiles, Tree, UiResponse,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::theme;

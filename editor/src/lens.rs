@@ -101,7 +101,8 @@ impl Lens {
             return Some([a, b]);
         }
         let forward = self.forward();
-        let depth = |point: DVec3| (point - self.eye.position).dot(forward) - f64::from(self.eye.near) * 1.01 - 1e-6;
+        let depth =
+            |point: DVec3| (point - self.eye.position).dot(forward) - f64::from(self.eye.near) * 1.01 - 1e-6;
         let (a, b) = (depth(from), depth(to));
         if a <= 0.0 && b <= 0.0 {
             return None;

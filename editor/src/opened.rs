@@ -35,7 +35,8 @@ impl Opened {
                 warnings.extend(more);
                 let cubemaps = world.cubemaps.load(&world.scene);
                 let World { assets, transport: shown, unlimited_gain, .. } = world;
-                let loaded = baking::load(project, document.name(), document.scene(), &assets, document.revision());
+                let loaded =
+                    baking::load(project, document.name(), document.scene(), &assets, document.revision());
                 let baked = loaded.unwrap_or_else(|error| {
                     warnings.push(Warning::new(document.name(), error));
                     None

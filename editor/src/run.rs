@@ -241,7 +241,8 @@ impl Editor {
     }
 
     fn frame_all(&mut self) {
-        let all: Vec<EntityId> = self.session.document.scene().entities.iter().map(|entity| entity.id).collect();
+        let all: Vec<EntityId> =
+            self.session.document.scene().entities.iter().map(|entity| entity.id).collect();
         self.frame(&all);
     }
 

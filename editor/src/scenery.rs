@@ -53,8 +53,11 @@ impl Placed {
         self.revision = Some(document.revision());
         let scene = document.scene();
         self.world_from_local = placed_at(scene, assets, 0.0);
-        let elsewhere =
-            scene.entities.iter().zip(&self.world_from_local).filter(|(entity, world)| !baked.holds(entity, world));
+        let elsewhere = scene
+            .entities
+            .iter()
+            .zip(&self.world_from_local)
+            .filter(|(entity, world)| !baked.holds(entity, world));
         self.displaced = elsewhere.map(|(entity, _)| entity.id).collect();
     }
 
@@ -76,7 +79,12 @@ pub struct Scenery<'a> {
 }
 
 impl<'a> Scenery<'a> {
-    pub fn of(document: &'a Document, assets: &'a Assets, placed: &'a Placed, play: Option<&'a Play>) -> Self {
+    pub fn of(
+        document: &'a Document,
+        assets: &'a Assets,
+        placed: &'a Placed,
+        play: Option<&'a Play>,
+    ) -> Self {
         let displaced = &placed.displaced;
         match play {
             Some(play) => Self {

@@ -2,7 +2,9 @@
 //! accent says what is selected or pressed.
 
 use eframe::egui;
-use egui::{Color32, CornerRadius, FontFamily, FontId, Margin, Shadow, Stroke, Style, TextStyle, Theme, Visuals, vec2};
+use egui::{
+    Color32, CornerRadius, FontFamily, FontId, Margin, Shadow, Stroke, Style, TextStyle, Theme, Visuals, vec2,
+};
 
 /// Height of a row in lists, of a field, of a button in a bar; points.
 pub const ROW: f32 = 22.0;

@@ -17,7 +17,11 @@ fn three_cubes(window: &mut Window) -> Vec<EntityId> {
         (0..3).map(|_| window.made(|window| window.choose("Create", "Create cube"))).collect();
     let session = &mut window.editor_mut().session;
     for (number, id) in ids.iter().enumerate() {
-        let material = Material { id: session.document.new_material_id(), name: format!("paint {number}"), ..Material::default() };
+        let material = Material {
+            id: session.document.new_material_id(),
+            name: format!("paint {number}"),
+            ..Material::default()
+        };
         let at = session.document.scene().materials.len();
         let assigned = Edit::set(*id, Field::Materials(vec![material.id]));
         session.commit(Edit::several("Paint", [Edit::InsertMaterials(vec![(at, material)]), assigned]));

@@ -33,13 +33,18 @@ impl Editor {
         match event {
             Event::Saved(Ok(())) => log.info(format!("Saved {}", document.path().display())),
             Event::Saved(Err(error)) => log.error(Source::File(document.path()), bake::chain::told(&error)),
-            Event::NotRecoverable(error) | Event::NotNoted(error) => log.scene_error(&error, document.scene()),
+            Event::NotRecoverable(error) | Event::NotNoted(error) => {
+                log.scene_error(&error, document.scene())
+            }
             Event::SceneChanged(Changed::Written | Changed::New) => log.warning(
                 Source::File(document.path()),
                 "Another program has written the scene's file: File > Reload from disk takes it over",
             ),
             Event::SceneChanged(Changed::Gone) => {
-                log.warning(Source::File(document.path()), "The scene's file is gone: saving writes it again");
+                log.warning(
+                    Source::File(document.path()),
+                    "The scene's file is gone: saving writes it again",
+                );
             }
             Event::AssetChanged(path, _) => {
                 log.info(format!("{} has changed: open the project again to see it", path.display()));

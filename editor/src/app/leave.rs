@@ -59,7 +59,10 @@ impl Editor {
             ui.set_width(380.0);
             ui.label(RichText::new("Unsaved work was found").heading());
             ui.add_space(6.0);
-            ui.label(format!("The editor ended before `{}` was saved. What it kept can be taken over.", document.name()));
+            ui.label(format!(
+                "The editor ended before `{}` was saved. What it kept can be taken over.",
+                document.name()
+            ));
             ui.add_space(12.0);
             answer = choice(ui, &["Recover", "Discard"]);
         });
@@ -173,6 +176,7 @@ impl Editor {
 
 /// A row of buttons, and which was pressed.
 fn choice(ui: &mut Ui, names: &[&'static str]) -> Option<&'static str> {
-    let button = |ui: &mut Ui, name: &str| ui.add(egui::Button::new(name).min_size(egui::vec2(84.0, 24.0))).clicked();
+    let button =
+        |ui: &mut Ui, name: &str| ui.add(egui::Button::new(name).min_size(egui::vec2(84.0, 24.0))).clicked();
     ui.horizontal(|ui| names.iter().copied().filter(|name| button(ui, name)).last()).inner
 }

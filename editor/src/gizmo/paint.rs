@@ -162,7 +162,8 @@ fn paint_handle(painter: &Painter, lens: &Lens, stand: &Stand, handle: Handle, h
 fn paint_ring(painter: &Painter, points: &[(Pos2, bool)], color: Color32, width: f32) {
     for pair in points.windows(2) {
         let front = pair[0].1 && pair[1].1;
-        let stroke = if front { Stroke::new(width, color) } else { Stroke::new(1.0, color.gamma_multiply(0.25)) };
+        let stroke =
+            if front { Stroke::new(width, color) } else { Stroke::new(1.0, color.gamma_multiply(0.25)) };
         painter.line_segment([pair[0].0, pair[1].0], stroke);
     }
 }
@@ -176,7 +177,8 @@ fn arrow_head(painter: &Painter, from: Pos2, to: Pos2, color: Color32) {
 
 pub fn to_segment(at: Pos2, from: Pos2, to: Pos2) -> f32 {
     let way = to - from;
-    let along = if way.length_sq() > 0.0 { ((at - from).dot(way) / way.length_sq()).clamp(0.0, 1.0) } else { 0.0 };
+    let along =
+        if way.length_sq() > 0.0 { ((at - from).dot(way) / way.length_sq()).clamp(0.0, 1.0) } else { 0.0 };
     at.distance(from + way * along)
 }
 

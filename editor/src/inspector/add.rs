@@ -4,25 +4,34 @@ use eframe::egui::{self, Ui};
 use engine::scene::{Camera, Entity, Light, LightProbeGroup, ReflectionProbe};
 use glam::Vec3;
 
-use crate::intents::Intent;
 use crate::ask::Asks;
 use crate::edit::{Edit, Field};
+use crate::intents::Intent;
 
 /// What it is called, who has it already, and what is added.
 type Entry = (&'static str, fn(&Entity) -> bool, fn() -> Field);
 
 const ENTRIES: [Entry; 4] = [
-    ("Light", |e| e.light.is_some(), || {
-        Field::Light(Some(Box::new(Light { intensity: 10.0, ..Light::default() })))
-    }),
+    (
+        "Light",
+        |e| e.light.is_some(),
+        || Field::Light(Some(Box::new(Light { intensity: 10.0, ..Light::default() }))),
+    ),
     ("Camera", |e| e.camera.is_some(), || Field::Camera(Some(Box::new(Camera::default())))),
-    ("Light probes", |e| e.light_probes.is_some(), || {
-        let corner = |n: u32| Vec3::from([0, 1, 2].map(|axis| if n >> axis & 1 == 0 { -1.0 } else { 1.0 }));
-        Field::LightProbes(Some(Box::new(LightProbeGroup { positions: (0..8).map(corner).collect() })))
-    }),
-    ("Reflection probe", |e| e.reflection_probe.is_some(), || {
-        Field::ReflectionProbe(Some(Box::new(ReflectionProbe::default())))
-    }),
+    (
+        "Light probes",
+        |e| e.light_probes.is_some(),
+        || {
+            let corner =
+                |n: u32| Vec3::from([0, 1, 2].map(|axis| if n >> axis & 1 == 0 { -1.0 } else { 1.0 }));
+            Field::LightProbes(Some(Box::new(LightProbeGroup { positions: (0..8).map(corner).collect() })))
+        },
+    ),
+    (
+        "Reflection probe",
+        |e| e.reflection_probe.is_some(),
+        || Field::ReflectionProbe(Some(Box::new(ReflectionProbe::default()))),
+    ),
 ];
 
 pub fn show(ui: &mut Ui, entities: &[&Entity], asks: &mut Asks) {

@@ -120,10 +120,13 @@ impl Rest<'_> {
     }
 
     fn plain(&mut self) -> Option<f64> {
-        let digits = self.text.find(|c: char| !c.is_ascii_digit() && c != '.' && c != ',').unwrap_or(self.text.len());
+        let digits =
+            self.text.find(|c: char| !c.is_ascii_digit() && c != '.' && c != ',').unwrap_or(self.text.len());
         let mut end = digits;
         let exponent = self.text[digits..].strip_prefix(['e', 'E']);
-        if let Some(exponent) = exponent.filter(|rest| rest.starts_with(|c: char| c.is_ascii_digit() || c == '-')) {
+        if let Some(exponent) =
+            exponent.filter(|rest| rest.starts_with(|c: char| c.is_ascii_digit() || c == '-'))
+        {
             let signed = usize::from(exponent.starts_with('-'));
             let length = exponent[signed..].find(|c: char| !c.is_ascii_digit());
             end += 1 + signed + length.unwrap_or(exponent.len() - signed);
@@ -174,7 +177,9 @@ mod tests {
 
     #[test]
     fn what_is_no_number_is_none() {
-        for text in ["", "x", "1+", "1 2", "(1", "1/0", ".", "1..2", &"(".repeat(1_000_000), &"-".repeat(100_000)] {
+        for text in
+            ["", "x", "1+", "1 2", "(1", "1/0", ".", "1..2", &"(".repeat(1_000_000), &"-".repeat(100_000)]
+        {
             assert_eq!(number(text, Unit::None), None, "{:.20}", text);
         }
     }

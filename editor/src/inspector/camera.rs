@@ -24,18 +24,43 @@ pub fn show<'a>(ui: &mut Ui, entities: &[&'a Entity], asks: &'a mut Asks) {
         return;
     }
     let removed = section(ui, Icon::Camera, "Camera", Some("Remove the camera"), |ui| {
-        of.choice(ui, ("Projection", "With parallel rays nothing gets smaller with distance"), &PROJECTIONS, is_parallel, project);
+        of.choice(
+            ui,
+            ("Projection", "With parallel rays nothing gets smaller with distance"),
+            &PROJECTIONS,
+            is_parallel,
+            project,
+        );
         lens(ui, &mut of);
         let near = Number { least: 0.0001, ..Number::positive(Unit::Metres) };
-        of.number(ui, ("Near", "What is nearer is not seen, metres"), &near, |c| c.near.into(), |c, v| c.near = v as f32);
+        of.number(
+            ui,
+            ("Near", "What is nearer is not seen, metres"),
+            &near,
+            |c| c.near.into(),
+            |c, v| c.near = v as f32,
+        );
         let limited = "What is farther away than that is not seen. Without it, all is";
-        of.toggle(ui, ("Limited", limited), |c| c.far.is_some(), |c, on| c.far = on.then_some(c.near + 1000.0));
+        of.toggle(
+            ui,
+            ("Limited", limited),
+            |c| c.far.is_some(),
+            |c, on| c.far = on.then_some(c.near + 1000.0),
+        );
         if of.shared(|c| c.far.is_some()) == Some(true) {
             let get = |c: &Camera| f64::from(c.far.unwrap_or_default());
-            of.number(ui, ("Far", "Metres"), &near, get, |c, v| c.far = Some((v as f32).max(c.near * 1.001 + 1e-4)));
+            of.number(ui, ("Far", "Metres"), &near, get, |c, v| {
+                c.far = Some((v as f32).max(c.near * 1.001 + 1e-4))
+            });
         }
         exposure(ui, &mut of);
-        of.choice(ui, ("Tone curve", "How light too bright for the display is shown"), &CURVES, |c| c.tonemap, |c, v| c.tonemap = v);
+        of.choice(
+            ui,
+            ("Tone curve", "How light too bright for the display is shown"),
+            &CURVES,
+            |c| c.tonemap,
+            |c, v| c.tonemap = v,
+        );
     });
     if removed {
         of.remove(Field::Camera(None));
@@ -80,9 +105,15 @@ fn lens(ui: &mut Ui, of: &mut Cameras<'_>) {
 }
 
 fn exposure(ui: &mut Ui, of: &mut Cameras<'_>) {
-    let stops = Number { unit: Unit::Stops, speed: 0.02, least: -32.0, most: 32.0, decimals: 2, ..Number::default() };
+    let stops =
+        Number { unit: Unit::Stops, speed: 0.02, least: -32.0, most: 32.0, decimals: 2, ..Number::default() };
     let set = |c: &mut Camera, on: bool| c.auto_exposure = on.then(AutoExposure::default);
-    of.toggle(ui, ("Automatic", "The exposure follows what is seen, as eyes do"), |c| c.auto_exposure.is_some(), set);
+    of.toggle(
+        ui,
+        ("Automatic", "The exposure follows what is seen, as eyes do"),
+        |c| c.auto_exposure.is_some(),
+        set,
+    );
     match of.shared(|c| c.auto_exposure.is_some()) {
         Some(false) => {
             let tooltip = "Stops: one more is twice as bright";
@@ -90,11 +121,19 @@ fn exposure(ui: &mut Ui, of: &mut Cameras<'_>) {
         }
         Some(true) => {
             let get = |c: &Camera| c.auto_exposure.unwrap_or_default();
-            let mut row = |name, tooltip, number: &Number, of: &mut Cameras<'_>, part: fn(&mut AutoExposure) -> &mut f32| {
-                let set = |c: &mut Camera, v: f64| c.auto_exposure.iter_mut().for_each(|auto| *part(auto) = v as f32);
+            let mut row = |name,
+                           tooltip,
+                           number: &Number,
+                           of: &mut Cameras<'_>,
+                           part: fn(&mut AutoExposure) -> &mut f32| {
+                let set = |c: &mut Camera, v: f64| {
+                    c.auto_exposure.iter_mut().for_each(|auto| *part(auto) = v as f32)
+                };
                 of.number(ui, (name, tooltip), number, |c| (*part(&mut get(c))).into(), set);
             };
-            row("Compensation", "Brighter or darker than it would be, stops", &stops, of, |a| &mut a.compensation);
+            row("Compensation", "Brighter or darker than it would be, stops", &stops, of, |a| {
+                &mut a.compensation
+            });
             row("Least", "Stops that it never goes below", &stops, of, |a| &mut a.least);
             row("Most", "Stops that it never goes above", &stops, of, |a| &mut a.most);
             row("Speed", "Stops a second, about", &Number::positive(Unit::None), of, |a| &mut a.speed);

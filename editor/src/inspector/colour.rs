@@ -19,7 +19,8 @@ pub fn row<K: Clone, C: Clone>(
 ) {
     let shared = of.shared(&get);
     let touched = fields::row(ui, name, tooltip, |ui| {
-        let patch = patch(ui, name, shared.or_else(|| of.first().map(&get)).unwrap_or_default(), shared.is_none());
+        let patch =
+            patch(ui, name, shared.or_else(|| of.first().map(&get)).unwrap_or_default(), shared.is_none());
         ui.add_space(2.0);
         let gap = 3.0;
         ui.spacing_mut().item_spacing.x = gap;
@@ -54,7 +55,13 @@ fn patch(ui: &mut Ui, name: &str, color: Vec3, mixed: bool) -> Touched<Vec3> {
     ui.painter().rect_stroke(rect, 3.0, egui::Stroke::new(1.0, line), egui::StrokeKind::Inside);
     if mixed {
         let font = egui::FontId::proportional(12.0);
-        ui.painter().text(rect.center(), egui::Align2::CENTER_CENTER, "\u{2014}", font, Color32::from_gray(128));
+        ui.painter().text(
+            rect.center(),
+            egui::Align2::CENTER_CENTER,
+            "\u{2014}",
+            font,
+            Color32::from_gray(128),
+        );
     }
     let mut touched = Touched::default();
     let popup = egui::Popup::menu(&response).close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside);
@@ -80,9 +87,19 @@ pub fn kelvin<K: Clone, C: Clone>(
     get: impl Fn(&C) -> Vec3,
     set: impl Fn(&mut C, Vec3),
 ) {
-    let now = of.shared(|component| nearest_kelvin(get(component)).map(f64::to_bits)).map(|kelvin| kelvin.map(f64::from_bits));
-    let number = Number { unit: Unit::Kelvin, speed: 10.0, least: 1000.0, most: 20000.0, decimals: 0, ..Number::default() };
-    let tooltip = "The colour of a black body: 2700 K is a bulb, 6500 K daylight. A dash: the colour is none of those";
+    let now = of
+        .shared(|component| nearest_kelvin(get(component)).map(f64::to_bits))
+        .map(|kelvin| kelvin.map(f64::from_bits));
+    let number = Number {
+        unit: Unit::Kelvin,
+        speed: 10.0,
+        least: 1000.0,
+        most: 20000.0,
+        decimals: 0,
+        ..Number::default()
+    };
+    let tooltip =
+        "The colour of a black body: 2700 K is a bulb, 6500 K daylight. A dash: the colour is none of those";
     let touched = fields::row(ui, "Temperature", tooltip, |ui| {
         let width = ui.available_width();
         number.show(ui, "Temperature", now.flatten(), width).1
@@ -123,7 +140,8 @@ fn nearest_kelvin(color: Vec3) -> Option<f64> {
     let color = (most > 0.0).then(|| color / most)?;
     let apart = |kelvin: f64| black_body(kelvin).distance(color);
     // In steps of the reciprocal, which the eye tells apart evenly.
-    let steps = (0..=400).map(|step| 1e6 / (1e6 / 20000.0 + (1e6 / 1700.0 - 1e6 / 20000.0) * f64::from(step) / 400.0));
+    let steps = (0..=400)
+        .map(|step| 1e6 / (1e6 / 20000.0 + (1e6 / 1700.0 - 1e6 / 20000.0) * f64::from(step) / 400.0));
     let nearest = steps.min_by(|a, b| apart(*a).total_cmp(&apart(*b)))?;
     let mut kelvin = nearest;
     for width in [40.0, 5.0, 0.5] {

@@ -2,7 +2,7 @@
 
 use eframe::egui;
 use egui::collapsing_header::CollapsingState;
-use egui::{Color32, DragValue, Rect, Response, RichText, Sense, Ui, WidgetInfo, Role, vec2};
+use egui::{Color32, DragValue, Rect, Response, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 
 use super::arithmetic::{self, Unit};
 use crate::icons::{self, Icon};
@@ -66,16 +66,15 @@ impl Number {
             .range(self.least..=self.most)
             .clamp_existing_to_range(false)
             .update_while_editing(false)
-            .custom_formatter(move |value, _| if mixed { "\u{2014}".to_owned() } else { told(value, decimals, unit) })
+            .custom_formatter(
+                move |value, _| if mixed { "\u{2014}".to_owned() } else { told(value, decimals, unit) },
+            )
             .custom_parser(move |text| arithmetic::number(text, unit));
         let response = ui.add_sized(vec2(width, theme::ROW - 2.0), field);
         response.ctx.accesskit_node_builder(response.id, |node| node.set_label(name));
         let dragging = response.dragged();
-        let touched = Touched {
-            value: response.changed().then_some(new),
-            dragging,
-            ended: response.drag_stopped(),
-        };
+        let touched =
+            Touched { value: response.changed().then_some(new), dragging, ended: response.drag_stopped() };
         (response, touched)
     }
 }
@@ -120,7 +119,13 @@ pub fn vector(ui: &mut Ui, name: &str, number: &Number, values: [Option<f64>; 3]
             let (rect, _) = ui.allocate_exact_size(vec2(letter, theme::ROW - 2.0), egui::Sense::hover());
             let font = egui::FontId::proportional(11.0);
             let letter = ["X", "Y", "Z"][axis];
-            ui.painter().text(rect.left_center(), egui::Align2::LEFT_CENTER, letter, font, axis_color(ui, axis));
+            ui.painter().text(
+                rect.left_center(),
+                egui::Align2::LEFT_CENTER,
+                letter,
+                font,
+                axis_color(ui, axis),
+            );
             number.show(ui, &format!("{name} {letter}"), values[axis], width).1
         })
         .inner
@@ -134,7 +139,13 @@ fn axis_color(ui: &Ui, axis: usize) -> Color32 {
 
 /// A component with its fields, which can be folded. `remove`: the tooltip of the button that takes it off. Returns whether
 /// that was pressed.
-pub fn section(ui: &mut Ui, icon: Icon, name: &str, remove: Option<&str>, fields: impl FnOnce(&mut Ui)) -> bool {
+pub fn section(
+    ui: &mut Ui,
+    icon: Icon,
+    name: &str,
+    remove: Option<&str>,
+    fields: impl FnOnce(&mut Ui),
+) -> bool {
     let line = theme::line(ui.visuals());
     let left = ui.cursor().left_top();
     ui.painter().hline(left.x..=left.x + ui.available_width(), left.y, egui::Stroke::new(1.0, line));

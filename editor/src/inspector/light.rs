@@ -38,9 +38,21 @@ pub fn show<'a>(ui: &mut Ui, entities: &[&'a Entity], asks: &'a mut Asks) {
         return;
     }
     let removed = section(ui, Icon::Lamp, "Light", Some("Remove the light"), |ui| {
-        of.choice(ui, ("Kind", "A sun shines from infinitely far, a point all around, a spot in a cone"), &KINDS, kind, set_kind);
+        of.choice(
+            ui,
+            ("Kind", "A sun shines from infinitely far, a point all around, a spot in a cone"),
+            &KINDS,
+            kind,
+            set_kind,
+        );
         of.toggle(ui, ("On", "Lit when the scene begins"), |l| l.on, |l, on| l.on = on);
-        colour::row(ui, &mut of, ("Color", "Linear RGB; the strength is the intensity's"), |l| l.color, |l, c| l.color = c);
+        colour::row(
+            ui,
+            &mut of,
+            ("Color", "Linear RGB; the strength is the intensity's"),
+            |l| l.color,
+            |l, c| l.color = c,
+        );
         colour::kelvin(ui, &mut of, |l| l.color, |l, c| l.color = c);
         strength(ui, &mut of);
         if of.shared(kind) == Some(Kind::Spot) {
@@ -49,7 +61,12 @@ pub fn show<'a>(ui: &mut Ui, entities: &[&'a Entity], asks: &'a mut Asks) {
         if of.shared(|l| kind(l) != Kind::Sun) == Some(true) {
             range(ui, &mut of);
         }
-        of.toggle(ui, ("Shadows", "What it shines on casts shadows"), |l| l.casts_shadows, |l, on| l.casts_shadows = on);
+        of.toggle(
+            ui,
+            ("Shadows", "What it shines on casts shadows"),
+            |l| l.casts_shadows,
+            |l, on| l.casts_shadows = on,
+        );
         let changes = "What of it may change while the scene plays: the less, the cheaper";
         of.choice(ui, ("May change", changes), &CHANGES, |l| l.changes, |l, changes| l.changes = changes);
         switching(ui, &mut of);
@@ -80,7 +97,13 @@ fn strength(ui: &mut Ui, of: &mut Lights<'_>) {
         false => "Radiant intensity, W/sr: at a metre it is the irradiance in W/m\u{b2}",
     };
     let number = Number::positive(Unit::None);
-    of.number(ui, ("Intensity", tooltip), &number, |l| l.intensity.into(), |l, value| l.intensity = value as f32);
+    of.number(
+        ui,
+        ("Intensity", tooltip),
+        &number,
+        |l| l.intensity.into(),
+        |l, value| l.intensity = value as f32,
+    );
 }
 
 fn cone(ui: &mut Ui, of: &mut Lights<'_>) {
@@ -127,13 +150,30 @@ fn range(ui: &mut Ui, of: &mut Lights<'_>) {
 fn switching(ui: &mut Ui, of: &mut Lights<'_>) {
     let first = Switching { period: 2.0, on_share: 0.5, offset: 0.0 };
     let set = |l: &mut Light, on: bool| l.switching = on.then_some(first);
-    of.toggle(ui, ("Switches", "Goes on and off by itself while the scene plays"), |l| l.switching.is_some(), set);
+    of.toggle(
+        ui,
+        ("Switches", "Goes on and off by itself while the scene plays"),
+        |l| l.switching.is_some(),
+        set,
+    );
     if of.shared(|l| l.switching.is_some()) != Some(true) {
         return;
     }
     let get = move |l: &Light| l.switching.unwrap_or(first);
     let change = |l: &mut Light, change: &dyn Fn(&mut Switching)| l.switching.iter_mut().for_each(change);
     let seconds = Number { least: 0.01, ..Number::positive(Unit::Seconds) };
-    of.number(ui, ("Period", "From on to on, seconds"), &seconds, |l| get(l).period, |l, value| change(l, &|s| s.period = value));
-    of.number(ui, ("Share on", "Of the period"), &Number::share(), |l| get(l).on_share, |l, value| change(l, &|s| s.on_share = value));
+    of.number(
+        ui,
+        ("Period", "From on to on, seconds"),
+        &seconds,
+        |l| get(l).period,
+        |l, value| change(l, &|s| s.period = value),
+    );
+    of.number(
+        ui,
+        ("Share on", "Of the period"),
+        &Number::share(),
+        |l| get(l).on_share,
+        |l, value| change(l, &|s| s.on_share = value),
+    );
 }

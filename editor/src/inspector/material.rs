@@ -4,9 +4,9 @@ use eframe::egui::Ui;
 use engine::scene::{Alpha, Entity, Material, MaterialId, Texture};
 
 use super::arithmetic::Unit;
+use super::colour;
 use super::fields::{self, Number, section};
 use super::light::CHANGES;
-use super::colour;
 use super::subject::Subject;
 use crate::ask::Asks;
 use crate::document::Document;
@@ -23,7 +23,8 @@ enum Kind {
     Blend,
 }
 
-const KINDS: [(Kind, &str); 3] = [(Kind::Opaque, "Opaque"), (Kind::Mask, "With holes"), (Kind::Blend, "Transparent")];
+const KINDS: [(Kind, &str); 3] =
+    [(Kind::Opaque, "Opaque"), (Kind::Mask, "With holes"), (Kind::Blend, "Transparent")];
 
 fn kind(material: &Material) -> Kind {
     match material.alpha {
@@ -60,14 +61,32 @@ fn one(ui: &mut Ui, name: &str, materials: &[&Material], asks: &mut Asks) {
 }
 
 fn fields_of(ui: &mut Ui, of: &mut Materials<'_>) {
-    colour::row(ui, of, ("Color", "Of light that it throws back, linear RGB"), |m| m.albedo.color, |m, color| {
-        // More than all of the light comes back from nothing.
-        m.albedo.color = color.clamp(glam::Vec3::ZERO, glam::Vec3::ONE);
-    });
+    colour::row(
+        ui,
+        of,
+        ("Color", "Of light that it throws back, linear RGB"),
+        |m| m.albedo.color,
+        |m, color| {
+            // More than all of the light comes back from nothing.
+            m.albedo.color = color.clamp(glam::Vec3::ZERO, glam::Vec3::ONE);
+        },
+    );
     texture(ui, of, "Color picture", |m| m.albedo.texture.as_ref());
     let share = Number::share();
-    of.number(ui, ("Metallic", "0: plaster, wood, plastic. 1: bare metal"), &share, |m| m.metallic.into(), |m, v| m.metallic = v as f32);
-    of.number(ui, ("Roughness", "0: a mirror. 1: chalk"), &share, |m| m.roughness.into(), |m, v| m.roughness = v as f32);
+    of.number(
+        ui,
+        ("Metallic", "0: plaster, wood, plastic. 1: bare metal"),
+        &share,
+        |m| m.metallic.into(),
+        |m, v| m.metallic = v as f32,
+    );
+    of.number(
+        ui,
+        ("Roughness", "0: a mirror. 1: chalk"),
+        &share,
+        |m| m.roughness.into(),
+        |m, v| m.roughness = v as f32,
+    );
     texture(ui, of, "Metal, roughness", |m| m.metallic_roughness_texture.as_ref());
     texture(ui, of, "Normals", |m| m.normal_texture.as_ref());
     emission(ui, of);
@@ -80,7 +99,13 @@ fn fields_of(ui: &mut Ui, of: &mut Materials<'_>) {
     };
     of.choice(ui, ("Surface", "Whether one sees through it"), &KINDS, kind, set);
     if of.shared(kind).is_some_and(|kind| kind != Kind::Opaque) {
-        of.number(ui, ("Opacity", "Times that of its picture"), &share, |m| m.opacity.into(), |m, v| m.opacity = v as f32);
+        of.number(
+            ui,
+            ("Opacity", "Times that of its picture"),
+            &share,
+            |m| m.opacity.into(),
+            |m, v| m.opacity = v as f32,
+        );
     }
     of.toggle(ui, ("Double-sided", "Seen from behind too"), |m| m.double_sided, |m, on| m.double_sided = on);
     of.toggle(ui, ("Unlit", "Shown in its color, whatever the light"), |m| m.unlit, |m, on| m.unlit = on);
@@ -89,13 +114,25 @@ fn fields_of(ui: &mut Ui, of: &mut Materials<'_>) {
 }
 
 fn emission(ui: &mut Ui, of: &mut Materials<'_>) {
-    colour::row(ui, of, ("Emission", "Color of light that it gives off"), |m| m.emission.color, |m, color| m.emission.color = color);
+    colour::row(
+        ui,
+        of,
+        ("Emission", "Color of light that it gives off"),
+        |m| m.emission.color,
+        |m, color| m.emission.color = color,
+    );
     if of.shared(|m| m.emission.color == glam::Vec3::ZERO) == Some(true) {
         return;
     }
     let tooltip = "Radiance, W/m\u{b2}/sr, times its color";
     let number = Number::positive(Unit::None);
-    of.number(ui, ("Strength", tooltip), &number, |m| m.emission.strength.into(), |m, v| m.emission.strength = v as f32);
+    of.number(
+        ui,
+        ("Strength", tooltip),
+        &number,
+        |m| m.emission.strength.into(),
+        |m, v| m.emission.strength = v as f32,
+    );
     texture(ui, of, "Emission picture", |m| m.emission.texture.as_ref());
     let sampled = "The bake aims at it: for small, bright lamps";
     of.toggle(ui, ("Aimed at", sampled), |m| m.emission.sampled, |m, on| m.emission.sampled = on);

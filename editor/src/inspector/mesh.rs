@@ -37,12 +37,24 @@ pub fn show<'a>(ui: &mut Ui, document: &Document, entities: &[&'a Entity], asks:
         of.toggle(ui, ("Casts shadows", shadows), |m| m.casts_shadows, |m, on| m.casts_shadows = on);
         let density = "Patches along an edge, against the scene's: 2 halves their size. What is brushed on comes on top";
         let number = Number { least: 1.0 / 16.0, most: 16.0, relative: true, ..Number::default() };
-        of.number(ui, ("Density", density), &number, |m| m.density.scale.into(), |m, v| m.density.scale = v as f32);
+        of.number(
+            ui,
+            ("Density", density),
+            &number,
+            |m| m.density.scale.into(),
+            |m, v| m.density.scale = v as f32,
+        );
         let reflections = "Of what reflection probes show on it";
         let number = Number { least: 0.0, most: 4.0, ..Number::share() };
-        of.number(ui, ("Reflections", reflections), &number, |m| m.reflection.strength.into(), |m, v| {
-            m.reflection.strength = v as f32;
-        });
+        of.number(
+            ui,
+            ("Reflections", reflections),
+            &number,
+            |m| m.reflection.strength.into(),
+            |m, v| {
+                m.reflection.strength = v as f32;
+            },
+        );
     });
     if removed {
         of.remove(Field::Mesh(None));
@@ -56,15 +68,23 @@ fn source(ui: &mut Ui, of: &mut Meshes<'_>) {
         MeshSource::File { .. } => None,
     };
     match of.shared(|mesh| mesh.mesh.clone()) {
-        Some(MeshSource::File { file, mesh }) => fields::row(ui, "Source", "The file that the mesh is read from", |ui| {
-            ui.label(RichText::new(format!("{file}, mesh {mesh}"))).on_hover_text(file);
-        }),
+        Some(MeshSource::File { file, mesh }) => {
+            fields::row(ui, "Source", "The file that the mesh is read from", |ui| {
+                ui.label(RichText::new(format!("{file}, mesh {mesh}"))).on_hover_text(file);
+            })
+        }
         _ if of.shared(|mesh| shape(mesh).is_some()) == Some(true) => {
             let set = |mesh: &mut MeshRenderer, shape: Shape| {
                 mesh.mesh = MeshSource::Shape(shape);
                 mesh.density.painted.clear();
             };
-            of.choice(ui, ("Shape", "A metre across before it is scaled"), &SHAPES, |m| shape(m).unwrap_or(Shape::Cube), set);
+            of.choice(
+                ui,
+                ("Shape", "A metre across before it is scaled"),
+                &SHAPES,
+                |m| shape(m).unwrap_or(Shape::Cube),
+                set,
+            );
         }
         _ => fields::row(ui, "Source", "What is selected has different meshes", |ui| {
             ui.weak("\u{2014}");
@@ -75,7 +95,8 @@ fn source(ui: &mut Ui, of: &mut Meshes<'_>) {
 fn material(ui: &mut Ui, of: &mut Meshes<'_>, document: &Document, slot: usize, slots: usize) {
     let name = if slots == 1 { "Material".to_owned() } else { format!("Material {}", slot + 1) };
     let shared = of.shared(|mesh| mesh.materials[slot]);
-    let named = |id: MaterialId| document.material(id).map_or("missing", |material: &Material| &material.name);
+    let named =
+        |id: MaterialId| document.material(id).map_or("missing", |material: &Material| &material.name);
     let mut chosen = None;
     fields::row(ui, &name, "What its surface is made of; materials are shared", |ui| {
         let shown = ComboBox::from_id_salt(&name)

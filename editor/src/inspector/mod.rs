@@ -18,10 +18,10 @@ use eframe::egui;
 use egui::{ScrollArea, Ui};
 use engine::scene::{Entity, EntityId};
 
-use crate::intents::Intent;
 use crate::ask::Asks;
 use crate::document::Document;
 use crate::edit::Field;
+use crate::intents::Intent;
 use crate::selection::Selection;
 use crate::viewport::marks::icon_of;
 use crate::{icons, theme};
@@ -34,7 +34,14 @@ pub struct Inspector {
 }
 
 impl Inspector {
-    pub fn show(&mut self, ui: &mut Ui, document: &Document, selection: &Selection, playing: bool, asks: &mut Asks) {
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        document: &Document,
+        selection: &Selection,
+        playing: bool,
+        asks: &mut Asks,
+    ) {
         let entities: Vec<&Entity> = selection.ids().iter().filter_map(|id| document.entity(*id)).collect();
         if playing {
             ui.horizontal(|ui| {
@@ -66,12 +73,20 @@ impl Inspector {
         ui.horizontal(|ui| {
             ui.add_space(22.0);
             let shown = "Seen, and part of the light. What stands under it is hidden with it (H)";
-            Subject::component(entities, |e| Some(&e.hidden), Field::Hidden, asks)
-                .tick(ui, ("Shown", shown), |hidden| !hidden, |hidden, shown| *hidden = !shown);
+            Subject::component(entities, |e| Some(&e.hidden), Field::Hidden, asks).tick(
+                ui,
+                ("Shown", shown),
+                |hidden| !hidden,
+                |hidden, shown| *hidden = !shown,
+            );
             ui.add_space(10.0);
             let fixed = "Never moves while the scene plays: its light is baked, and it lights others";
-            Subject::component(entities, |e| Some(&e.is_static), Field::Static, asks)
-                .tick(ui, ("Static", fixed), |fixed| *fixed, |fixed, new| *fixed = new);
+            Subject::component(entities, |e| Some(&e.is_static), Field::Static, asks).tick(
+                ui,
+                ("Static", fixed),
+                |fixed| *fixed,
+                |fixed, new| *fixed = new,
+            );
         });
         ui.add_space(2.0);
     }

@@ -4,8 +4,8 @@ use eframe::egui::{self, Ui};
 use engine::scene::{Sky, SkyKind};
 
 use super::fields::{self, Number, section};
-use super::{colour, light};
 use super::subject::Subject;
+use super::{colour, light};
 use crate::ask::Asks;
 use crate::document::Document;
 use crate::edit::Edit;
@@ -37,7 +37,8 @@ pub fn show(ui: &mut Ui, document: &Document, asks: &mut Asks) {
     };
     let mut of = Subject::new(vec![((), sky)], edit, asks);
     section(ui, Icon::Sky, "Sky", None, |ui| {
-        let mut kinds = vec![(Kind::None, "None"), (Kind::Constant, "One color"), (Kind::Gradient, "Gradient")];
+        let mut kinds =
+            vec![(Kind::None, "None"), (Kind::Constant, "One color"), (Kind::Gradient, "Gradient")];
         if kind(sky) == Kind::Picture {
             kinds.push((Kind::Picture, "Picture"));
         }
@@ -75,7 +76,9 @@ fn constant(ui: &mut Ui, of: &mut TheSky<'_>) {
         _ => glam::Vec3::ZERO,
     };
     let tooltip = "From everywhere, W/m\u{b2}/sr";
-    colour::row(ui, of, ("Radiance", tooltip), get, |sky, radiance| sky.kind = SkyKind::Constant { radiance });
+    colour::row(ui, of, ("Radiance", tooltip), get, |sky, radiance| {
+        sky.kind = SkyKind::Constant { radiance }
+    });
 }
 
 fn gradient(ui: &mut Ui, of: &mut TheSky<'_>) {
@@ -101,11 +104,17 @@ fn picture(ui: &mut Ui, of: &mut TheSky<'_>) {
         _ => [0.0; 2],
     };
     let number = Number::positive(Default::default());
-    of.number(ui, ("Strength", "Times the picture's values"), &number, |s| get(s)[0].into(), |s, v| {
-        if let SkyKind::Picture { strength, .. } = &mut s.kind {
-            *strength = v as f32;
-        }
-    });
+    of.number(
+        ui,
+        ("Strength", "Times the picture's values"),
+        &number,
+        |s| get(s)[0].into(),
+        |s, v| {
+            if let SkyKind::Picture { strength, .. } = &mut s.kind {
+                *strength = v as f32;
+            }
+        },
+    );
     let degrees = |s: &Sky| f64::from(get(s)[1]).to_degrees();
     of.number(ui, ("Turn", "About the vertical, degrees"), &Number::degrees(), degrees, |s, v| {
         if let SkyKind::Picture { turn, .. } = &mut s.kind {

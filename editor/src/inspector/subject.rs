@@ -6,9 +6,9 @@ use engine::scene::{Entity, EntityId};
 use glam::DVec3;
 
 use super::fields::{self, Number, Touched};
-use crate::intents::Intent;
 use crate::ask::Asks;
 use crate::edit::{Edit, Field};
+use crate::intents::Intent;
 
 type EditOf<K, C> = Box<dyn Fn(Vec<(K, C)>) -> Edit>;
 
@@ -159,7 +159,8 @@ impl<'a, K: Clone, C: Clone> Subject<'a, K, C> {
         set: impl Fn(&mut C, T),
     ) {
         let shared = self.shared(get);
-        let said = |value: &T| choices.iter().find(|(choice, _)| choice == value).map_or("", |(_, name)| name);
+        let said =
+            |value: &T| choices.iter().find(|(choice, _)| choice == value).map_or("", |(_, name)| name);
         let mut chosen = None;
         fields::row(ui, name, tooltip, |ui| {
             let shown = ComboBox::from_id_salt(name)

@@ -11,7 +11,8 @@ use crate::edit::Field;
 use crate::icons::Icon;
 
 pub fn show<'a>(ui: &mut Ui, entities: &[&'a Entity], asks: &'a mut Asks) {
-    let mut of = Subject::component(entities, |e| Some(&e.transform), |t| Field::Transform(Box::new(t)), asks);
+    let mut of =
+        Subject::component(entities, |e| Some(&e.transform), |t| Field::Transform(Box::new(t)), asks);
     section(ui, Icon::Empty, "Transform", None, |ui| {
         of.vector(
             ui,
@@ -61,6 +62,10 @@ mod tests {
         turn(&mut transform, 1, 30.0);
         turn(&mut transform, 0, -20.0);
         turn(&mut transform, 2, 75.0);
-        assert!(angles(&transform).abs_diff_eq(DVec3::new(-20.0, 30.0, 75.0), 1e-5), "{}", angles(&transform));
+        assert!(
+            angles(&transform).abs_diff_eq(DVec3::new(-20.0, 30.0, 75.0), 1e-5),
+            "{}",
+            angles(&transform)
+        );
     }
 }

@@ -5,10 +5,10 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use eframe::egui;
 use egui::{Color32, Label, RichText, ScrollArea, Sense, TextEdit, Ui, vec2};
 
-use crate::intents::Intent;
 use crate::ask::{Ask, Asks};
 use crate::command::Command;
 use crate::icons::{self, Icon};
+use crate::intents::Intent;
 use crate::log::{Level, Line, Log, Source};
 use crate::theme;
 
@@ -52,7 +52,10 @@ impl Console {
 
     /// All that is shown, as text.
     pub fn text(&self) -> String {
-        self.lines.iter().map(|line| format!("{} {:?}: {}\n", clock(line.at), line.level, line.text)).collect()
+        self.lines
+            .iter()
+            .map(|line| format!("{} {:?}: {}\n", clock(line.at), line.level, line.text))
+            .collect()
     }
 
     fn bar(&mut self, ui: &mut Ui, log: &Log, asks: &mut Asks) {
@@ -62,7 +65,9 @@ impl Console {
                 if icons::button(ui, icon, name, "Shown or left out", self.levels[at]).clicked() {
                     self.levels[at] ^= true;
                 }
-                ui.label(RichText::new(log.count(level).to_string()).small().color(theme::weak(ui.visuals())));
+                ui.label(
+                    RichText::new(log.count(level).to_string()).small().color(theme::weak(ui.visuals())),
+                );
                 ui.add_space(6.0);
             }
             let field = TextEdit::singleline(&mut self.search).hint_text("Filter");

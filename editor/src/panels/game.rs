@@ -1,7 +1,7 @@
 //! The game view: the scene through its own camera, as the player shows it.
 
 use eframe::egui;
-use egui::{Align2, Color32, FontId, Rect, Sense, Ui, WidgetInfo, Role, pos2};
+use egui::{Align2, Color32, FontId, Rect, Role, Sense, Ui, WidgetInfo, pos2};
 use engine::render::View;
 use engine::render::outline::Marks;
 

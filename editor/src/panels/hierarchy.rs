@@ -10,11 +10,11 @@ use egui::{ScrollArea, Ui, vec2};
 use engine::scene::{Entity, EntityId};
 
 use super::menu;
-use crate::intents::Intent;
 use crate::ask::Asks;
 use crate::command::{Bindings, State};
 use crate::document::Document;
 use crate::icons::{self, Icon};
+use crate::intents::Intent;
 use crate::selection::{Click, Selection};
 use crate::theme;
 
@@ -122,7 +122,7 @@ impl Hierarchy {
             }
             self.beside(ui, tree, asks);
         });
-        self.scrolled = shown.state.offset.y;
+        self.scrolled = shown.state.offset().y;
     }
 
     /// The room under the last row: a click selects nothing, a right click offers to create, what is dropped there stands
@@ -172,7 +172,9 @@ impl Hierarchy {
             ui.spacing_mut().item_spacing.x = 4.0;
             let kind_width = 82.0;
             let width = (ui.available_width() - kind_width - 8.0).max(40.0);
-            let hint = egui::TextEdit::singleline(&mut self.search).id(egui::Id::unique("hierarchy search")).hint_text("Search");
+            let hint = egui::TextEdit::singleline(&mut self.search)
+                .id(egui::Id::unique("hierarchy search"))
+                .hint_text("Search");
             let field = ui.add_sized(vec2(width, theme::ROW - 2.0), hint);
             field.ctx.accesskit_node_builder(field.id, |node| node.set_label("Search the hierarchy"));
             let chosen = egui::ComboBox::from_id_salt("kind")

@@ -37,14 +37,17 @@ impl Palette {
             let mut pressed = |key| input.consume_key(Modifiers::NONE, key);
             (pressed(Key::ArrowUp), pressed(Key::ArrowDown), pressed(Key::Enter), pressed(Key::Escape))
         });
-        let rows: Vec<&Row> = search(&typed.text).into_iter().filter(|row| run::is_known(row.command)).collect();
+        let rows: Vec<&Row> =
+            search(&typed.text).into_iter().filter(|row| run::is_known(row.command)).collect();
         typed.chosen = match (up, down) {
             (true, _) => typed.chosen.saturating_sub(1),
             (_, true) => typed.chosen + 1,
             _ => typed.chosen,
         };
         typed.chosen = typed.chosen.min(rows.len().saturating_sub(1));
-        let area = Area::new(Id::unique("palette")).order(Order::Foreground).anchor(Align2::CENTER_TOP, vec2(0.0, 76.0));
+        let area = Area::new(Id::unique("palette"))
+            .order(Order::Foreground)
+            .anchor(Align2::CENTER_TOP, vec2(0.0, 76.0));
         let shown = area.show(ui.ctx(), |ui| {
             Frame::popup(ui.style()).inner_margin(8).show(ui, |ui| {
                 ui.set_width(WIDTH);
@@ -67,7 +70,8 @@ impl Palette {
 
 impl Typed {
     fn field(&mut self, ui: &mut Ui) {
-        let field = TextEdit::singleline(&mut self.text).hint_text("Type a command").desired_width(f32::INFINITY);
+        let field =
+            TextEdit::singleline(&mut self.text).hint_text("Type a command").desired_width(f32::INFINITY);
         let response = ui.add(field);
         response.ctx.accesskit_node_builder(response.id, |node| node.set_label("Command"));
         response.request_focus();

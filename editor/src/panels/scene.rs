@@ -3,19 +3,22 @@
 use std::collections::HashSet;
 
 use eframe::egui;
-use egui::{Align2, Color32, FontId, Key, PointerButton, Pos2, Rect, Response, Sense, Ui, WidgetInfo, Role, pos2, vec2};
+use egui::{
+    Align2, Color32, FontId, Key, PointerButton, Pos2, Rect, Response, Role, Sense, Ui, WidgetInfo, pos2,
+    vec2,
+};
 use engine::render::outline::Marks;
 use engine::render::picking::Pixels;
 use engine::render::{Eye, View};
 use engine::scene::EntityId;
 use glam::DQuat;
 
-use crate::intents::Intent;
 use crate::ask::Asks;
 use crate::camera::ViewCamera;
 use crate::document::Document;
 use crate::gizmo::{self, Change, Grasp, Stand, Steps, Tool};
 use crate::icons::{self, Icon};
+use crate::intents::Intent;
 use crate::lens::Lens;
 use crate::scenery::Scenery;
 use crate::selection::Selection;
@@ -80,9 +83,11 @@ impl SceneView {
         let lens = Lens { eye: self.camera.eye(&exposed_as), rect };
         self.picture(ui, stage, seen, &lens);
         let painter = ui.painter_at(rect);
-        let open = seen.scenery.placed().filter(|(entity, _)| !entity.hidden && !seen.document.is_locked(entity.id));
+        let open =
+            seen.scenery.placed().filter(|(entity, _)| !entity.hidden && !seen.document.is_locked(entity.id));
         let marks = marks::marks(&lens, open);
-        for (entity, world) in seen.scenery.placed().filter(|(entity, _)| seen.selection.contains(entity.id)) {
+        for (entity, world) in seen.scenery.placed().filter(|(entity, _)| seen.selection.contains(entity.id))
+        {
             marks::paint_reach(&painter, &lens, entity, world, 16.0 / 9.0);
         }
         marks::paint(&painter, &marks, |id| seen.selection.contains(id));
@@ -98,8 +103,7 @@ impl SceneView {
 
     fn picture(&mut self, ui: &Ui, stage: &mut Stage, seen: &Seen<'_>, lens: &Lens) {
         let size = Picture::pixels(stage.gpu(), lens.rect.size(), ui.ctx().pixels_per_point());
-        let lines =
-            if self.hide_grid { Vec::new() } else { grid::lines(&self.camera, stage.origin()) };
+        let lines = if self.hide_grid { Vec::new() } else { grid::lines(&self.camera, stage.origin()) };
         let outlined = seen.selection.ids().iter().copied().collect();
         let marks = Marks { lines, outlined, displaced: seen.scenery.displaced.clone() };
         let now = seen.scenery.now(lens.eye, self.view);
@@ -110,7 +114,13 @@ impl SceneView {
         }
         if let Some(error) = &self.picture.error {
             let font = FontId::proportional(13.0);
-            ui.painter().text(lens.rect.center(), Align2::CENTER_CENTER, error, font, ui.visuals().error_fg_color);
+            ui.painter().text(
+                lens.rect.center(),
+                Align2::CENTER_CENTER,
+                error,
+                font,
+                ui.visuals().error_fg_color,
+            );
         }
         if !self.picture.is_settled() {
             ui.ctx().request_repaint();
@@ -128,7 +138,8 @@ impl SceneView {
                 ui.horizontal(|ui| {
                     ui.spacing_mut().item_spacing.x = 2.0;
                     self.choose_view(ui);
-                    if icons::button(ui, Icon::Grid, "Grid", "Lines on the ground", !self.hide_grid).clicked() {
+                    if icons::button(ui, Icon::Grid, "Grid", "Lines on the ground", !self.hide_grid).clicked()
+                    {
                         self.hide_grid ^= true;
                     }
                 });
@@ -157,7 +168,8 @@ impl SceneView {
             .show_ui(ui, |ui| {
                 for (number, view) in View::ALL.into_iter().enumerate() {
                     let shortcut = if number < 9 { format!("Alt+{}", number + 1) } else { String::new() };
-                    let button = egui::Button::selectable(self.view == view, name(view)).shortcut_text(shortcut);
+                    let button =
+                        egui::Button::selectable(self.view == view, name(view)).shortcut_text(shortcut);
                     if ui.add(button).clicked() {
                         self.view = view;
                     }
@@ -432,7 +444,8 @@ fn seen_in(
 ) -> Vec<EntityId> {
     let size = Picture::pixels(stage.gpu(), lens.rect.size(), ui.ctx().pixels_per_point());
     let now = seen.scenery.now(lens.eye, View::Composite);
-    let locked = seen.scenery.scene.entities.iter().map(|entity| entity.id).filter(|id| seen.document.is_locked(*id));
+    let locked =
+        seen.scenery.scene.entities.iter().map(|entity| entity.id).filter(|id| seen.document.is_locked(*id));
     let without = without.iter().copied().chain(locked).collect();
     let found = stage.renderer.seen_in(&now, size, pixels, &without).unwrap_or_default();
     found.into_iter().filter_map(|at| Some(seen.scenery.scene.entities.get(at)?.id)).collect()

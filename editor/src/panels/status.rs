@@ -1,6 +1,6 @@
 //! The bar at the bottom: what was told last, and what is selected.
 
-use eframe::egui::{self, Layout, Sense, Ui, WidgetInfo, Role};
+use eframe::egui::{self, Layout, Role, Sense, Ui, WidgetInfo};
 
 use super::console;
 use crate::ask::Asks;

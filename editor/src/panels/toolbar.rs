@@ -52,7 +52,9 @@ pub fn show(ui: &mut Ui, handling: &mut Handling, playing: Playing, light: &Ligh
 /// What the bake is worth, and the button that makes another.
 fn bake_button(ui: &mut Ui, badge: &Badge, playing: Playing, asks: &mut Asks) {
     ui.add_enabled_ui(playing == Playing::No, |ui| {
-        let button = ui.button("Bake").on_hover_text("Bakes the light on threads of its own; edit on meanwhile (Ctrl+B)");
+        let button = ui
+            .button("Bake")
+            .on_hover_text("Bakes the light on threads of its own; edit on meanwhile (Ctrl+B)");
         if button.clicked() {
             asks.push(Command::Bake);
         }
@@ -60,7 +62,11 @@ fn bake_button(ui: &mut Ui, badge: &Badge, playing: Playing, asks: &mut Asks) {
     let (told, why, color) = match badge {
         Badge::Missing => ("Not baked", "Only direct light is shown", ui.visuals().warn_fg_color),
         Badge::Current => ("Light is current", "The bake was made of this scene", CURRENT),
-        Badge::LightOnly => ("Light is current", "Only lights and colors have changed since the bake: they need none", CURRENT),
+        Badge::LightOnly => (
+            "Light is current",
+            "Only lights and colors have changed since the bake: they need none",
+            CURRENT,
+        ),
         Badge::Stale(why) if why.is_empty() => {
             ("Bake is stale", "Surfaces have changed since the bake", ui.visuals().warn_fg_color)
         }
@@ -113,9 +119,11 @@ fn tools(ui: &mut Ui, handling: &mut Handling, asks: &mut Asks) {
     if snap.clicked() {
         handling.snap ^= true;
     }
-    egui::Popup::context_menu(&snap).close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
-        steps(ui, handling);
-    });
+    egui::Popup::context_menu(&snap).close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside).show(
+        |ui| {
+            steps(ui, handling);
+        },
+    );
 }
 
 fn steps(ui: &mut Ui, handling: &mut Handling) {
@@ -145,7 +153,9 @@ fn play(ui: &mut Ui, playing: Playing, asks: &mut Asks) {
         if icons::button(ui, Icon::Pause, "Pause", "Time stands still (F6)", paused).clicked() {
             asks.push(Command::Pause);
         }
-        if icons::button(ui, Icon::Step, "Step", "One picture on, then time stands still (F7)", false).clicked() {
+        if icons::button(ui, Icon::Step, "Step", "One picture on, then time stands still (F7)", false)
+            .clicked()
+        {
             asks.push(Command::Step);
         }
     });

@@ -18,10 +18,11 @@ pub fn edit(document: &Document, scenery: &Scenery<'_>, ids: &[EntityId]) -> Edi
     let falling: HashSet<EntityId> = ids.iter().flat_map(|id| indexed.subtree(*id)).collect();
     transform::moved(document, ids, |id| {
         let own: HashSet<EntityId> = indexed.subtree(id).into_iter().collect();
-        let (low, high) = scenery.extent(|entity| own.contains(&entity.id) && entity.mesh.is_some()).unwrap_or_else(|| {
-            let at = document.world_from_local(id).translation;
-            (at, at)
-        });
+        let (low, high) =
+            scenery.extent(|entity| own.contains(&entity.id) && entity.mesh.is_some()).unwrap_or_else(|| {
+                let at = document.world_from_local(id).translation;
+                (at, at)
+            });
         let foot = DVec3::new((low.x + high.x) * 0.5, low.y, (low.z + high.z) * 0.5);
         let floor = floor_below(scenery, foot, &falling).unwrap_or(0.0);
         Some(DVec3::Y * (floor - foot.y))
@@ -31,9 +32,13 @@ pub fn edit(document: &Document, scenery: &Scenery<'_>, ids: &[EntityId]) -> Edi
 /// The highest surface under a point.
 fn floor_below(scenery: &Scenery<'_>, foot: DVec3, without: &HashSet<EntityId>) -> Option<f64> {
     let mut highest: Option<f64> = None;
-    for (entity, world) in scenery.placed().filter(|(entity, _)| !without.contains(&entity.id) && !entity.hidden) {
+    for (entity, world) in
+        scenery.placed().filter(|(entity, _)| !without.contains(&entity.id) && !entity.hidden)
+    {
         let mesh = entity.mesh.as_ref().and_then(|renderer| scenery.assets.meshes.get(&renderer.mesh));
-        for triangle in mesh.iter().flat_map(|mesh| mesh.triangles().map(|t| t.map(|i| mesh.positions[i as usize]))) {
+        for triangle in
+            mesh.iter().flat_map(|mesh| mesh.triangles().map(|t| t.map(|i| mesh.positions[i as usize])))
+        {
             let corners = triangle.map(|corner| world.transform_point3(corner.as_dvec3()));
             let height = height_at(corners, foot).filter(|height| *height <= foot.y + SUNK);
             highest = highest.into_iter().chain(height).reduce(f64::max);

@@ -2,7 +2,7 @@
 //! a click on the middle changes between perspective and parallel rays.
 
 use eframe::egui;
-use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Stroke, Ui, Vec2, WidgetInfo, Role, vec2};
+use egui::{Align2, Color32, FontId, Pos2, Rect, Role, Sense, Stroke, Ui, Vec2, WidgetInfo, vec2};
 use glam::DVec3;
 
 use crate::camera::ViewCamera;

@@ -78,7 +78,8 @@ pub fn paint(painter: &Painter, marks: &[Mark], is_selected: impl Fn(EntityId) -
     for mark in marks {
         let rect = Rect::from_center_size(mark.at, Vec2::splat(16.0));
         let selected = is_selected(mark.entity);
-        let back = if selected { theme::SELECTED.gamma_multiply(0.85) } else { Color32::from_black_alpha(120) };
+        let back =
+            if selected { theme::SELECTED.gamma_multiply(0.85) } else { Color32::from_black_alpha(120) };
         painter.circle_filled(mark.at, 12.0, back);
         let color = if selected { Color32::from_gray(15) } else { mark.color };
         icons::paint(painter, rect, mark.icon, color);

@@ -55,8 +55,7 @@ impl Outline {
         }
         let mask = texture::target(gpu, "mask", size, 1, MASK);
         let view = mask.create_view(&Default::default());
-        let group =
-            pass::group(gpu, "mask", &self.mask_layout, &[wgpu::BindingResource::TextureView(&view)]);
+        let group = pass::group(gpu, "mask", &self.mask_layout, &[wgpu::BindingResource::TextureView(&view)]);
         self.mask = Some((mask, group));
     }
 }
@@ -83,13 +82,13 @@ impl Renderer {
         }
         self.picking.number(gpu, &self.instances.draws);
         self.outline.fit(gpu, [display.width(), display.height()]);
-        let Outline { module, layout, pipelines, mask: Some((mask, group)), outlined, .. } = &mut self.outline
+        let Outline { module, layout, pipelines, mask: Some((mask, group)), outlined, .. } =
+            &mut self.outline
         else {
             return 0;
         };
-        let is_outlined = |entity: usize| {
-            scene.entities.get(entity).is_some_and(|entity| outlined.contains(&entity.id))
-        };
+        let is_outlined =
+            |entity: usize| scene.entities.get(entity).is_some_and(|entity| outlined.contains(&entity.id));
         let view = mask.create_view(&Default::default());
         let mut pass = pass::draw_into(encoder, "mask", &view, self.timer.render("outline"));
         pass.set_bind_group(0, &self.frame_group, &[]);

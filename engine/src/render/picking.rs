@@ -71,8 +71,7 @@ impl Picking {
     ) -> Result<Self, GpuError> {
         let stages = wgpu::ShaderStages::FRAGMENT;
         let object_layout = pass::layout(gpu, "object", stages, &[Binding::UniformSlot]);
-        let frame =
-            buffer::filled(gpu, "picking", &[FrameUniform::zeroed()], wgpu::BufferUsages::UNIFORM);
+        let frame = buffer::filled(gpu, "picking", &[FrameUniform::zeroed()], wgpu::BufferUsages::UNIFORM);
         Ok(Self {
             module: library.module(gpu, shaders::PICKING)?,
             layout: pass::pipeline_layout(gpu, &[Some(frame_layout), None, None, Some(&object_layout)]),
@@ -154,8 +153,7 @@ impl Renderer {
         self.picking.number(gpu, &self.instances.draws);
         let aspect = size[0] as f32 / size[1] as f32;
         let uniform = FrameUniform {
-            clip_from_world: cropped(size, pixels)
-                * now.eye.clip_from_world(self.transport.origin, aspect),
+            clip_from_world: cropped(size, pixels) * now.eye.clip_from_world(self.transport.origin, aspect),
             ..FrameUniform::zeroed()
         };
         gpu.queue.write_buffer(&self.picking.frame, 0, bytemuck::bytes_of(&uniform));
@@ -174,7 +172,8 @@ impl Renderer {
         drop(pass);
         gpu.queue.submit([encoder.finish()]);
         let bytes = texture::read(gpu, &numbers, 4)?;
-        let found = bytes.chunks_exact(4).map(|texel| u32::from_le_bytes([texel[0], texel[1], texel[2], texel[3]]));
+        let found =
+            bytes.chunks_exact(4).map(|texel| u32::from_le_bytes([texel[0], texel[1], texel[2], texel[3]]));
         Ok(found.filter(|&number| number > 0).map(|number| number as usize - 1).collect())
     }
 }
@@ -258,7 +257,8 @@ mod tests {
             let clip = crop * Vec4::new(2.0 * x / 200.0 - 1.0, 1.0 - 2.0 * y / 100.0, 0.5, 1.0);
             [clip.x / clip.w, clip.y / clip.w]
         };
-        for (pixel, clip) in [([50.0, 10.0], [-1.0, 1.0]), ([100.0, 60.0], [1.0, -1.0]), ([75.0, 35.0], [0.0, 0.0])]
+        for (pixel, clip) in
+            [([50.0, 10.0], [-1.0, 1.0]), ([100.0, 60.0], [1.0, -1.0]), ([75.0, 35.0], [0.0, 0.0])]
         {
             let found = at(pixel[0], pixel[1]);
             assert!((found[0] - clip[0]).abs() < 1e-5 && (found[1] - clip[1]).abs() < 1e-5, "{found:?}");

@@ -1,27 +1,20 @@
 //! One row: fold, icon, name, and whether it is shown.
 
 use eframe::egui;
-use egui::{Align2, FontId, Key, Rect, Response, Sense, Stroke, Ui, Vec2, WidgetInfo, Role, pos2, vec2};
+use egui::{Align2, FontId, Key, Rect, Response, Role, Sense, Stroke, Ui, Vec2, WidgetInfo, pos2, vec2};
 use engine::scene::Entity;
 
-use super::{Dragged, Hierarchy, Row, Tree, icon, small_icon};
 use super::super::menu;
-use crate::intents::Intent;
+use super::{Dragged, Hierarchy, Row, Tree, icon, small_icon};
 use crate::ask::{Ask, Asks};
 use crate::icons::Icon;
+use crate::intents::Intent;
 use crate::theme;
 
 const INDENT: f32 = 14.0;
 
 impl Hierarchy {
-    pub(super) fn row(
-        &mut self,
-        ui: &mut Ui,
-        row: Row,
-        entity: &Entity,
-        tree: &Tree<'_>,
-        asks: &mut Asks,
-    ) {
+    pub(super) fn row(&mut self, ui: &mut Ui, row: Row, entity: &Entity, tree: &Tree<'_>, asks: &mut Asks) {
         let Tree { document, selection, .. } = *tree;
         let size = vec2(ui.available_width(), theme::ROW - 2.0);
         let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
@@ -64,8 +57,17 @@ impl Hierarchy {
     }
 
     /// What is dragged is dropped before a row at its upper edge, behind it at its lower edge, and into it between.
-    fn drag(&self, ui: &Ui, rect: Rect, response: &Response, entity: &Entity, tree: &Tree<'_>, asks: &mut Asks) {
-        let ids = if tree.selection.contains(entity.id) { tree.selection.ids().to_vec() } else { vec![entity.id] };
+    fn drag(
+        &self,
+        ui: &Ui,
+        rect: Rect,
+        response: &Response,
+        entity: &Entity,
+        tree: &Tree<'_>,
+        asks: &mut Asks,
+    ) {
+        let ids =
+            if tree.selection.contains(entity.id) { tree.selection.ids().to_vec() } else { vec![entity.id] };
         response.dnd_set_drag_payload(Dragged(ids));
         let Some(at) = ui.input(|input| input.pointer.hover_pos()) else { return };
         if response.dnd_hover_payload::<Dragged>().is_none() {
@@ -80,7 +82,8 @@ impl Hierarchy {
         }
         let Some(dropped) = response.dnd_release_payload::<Dragged>() else { return };
         let siblings = tree.document.children(entity.parent);
-        let next = siblings.iter().position(|id| *id == entity.id).and_then(|own| siblings.get(own + 1)).copied();
+        let next =
+            siblings.iter().position(|id| *id == entity.id).and_then(|own| siblings.get(own + 1)).copied();
         let (parent, before) = match share {
             ..0.25 => (entity.parent, Some(entity.id)),
             0.75.. => (entity.parent, next),
@@ -94,7 +97,8 @@ impl Hierarchy {
         let response = ui.interact(rect, ui.scope_id().with(("fold", entity.id.0)), Sense::click());
         let name = format!("{} {}", if open { "Fold" } else { "Unfold" }, entity.name);
         response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
-        let color = if response.hovered() { ui.visuals().strong_text_color() } else { theme::weak(ui.visuals()) };
+        let color =
+            if response.hovered() { ui.visuals().strong_text_color() } else { theme::weak(ui.visuals()) };
         let c = rect.center();
         let points = match open {
             true => vec![c + vec2(-4.0, -2.0), c + vec2(4.0, -2.0), c + vec2(0.0, 3.0)],
