@@ -47,7 +47,7 @@ fn both_themes_and_other_sizes_draw_every_panel() {
     assert!(!window.harness.ctx.global_style().visuals.dark_mode);
     window.press(Modifiers::COMMAND, Key::Plus);
     window.settle();
-    for panel in ["Scene view", "Search the hierarchy", "Filter the console"] {
+    for panel in ["Scene view", "Search the hierarchy", "Search the assets"] {
         let rect = window.node(panel).rect();
         assert!(rect.width() > 20.0 && rect.height() > 10.0, "{panel} {rect}");
     }

@@ -87,8 +87,10 @@ fn baking(ui: &mut Ui, progress: &Progress, asks: &mut Asks) {
     }
     let left = progress.remaining.map_or(String::new(), |left| format!(", {} s left", left.as_secs() + 1));
     let text = format!("{} {:.0} %{left}", progress.stage, progress.share * 100.0);
-    let bar = egui::ProgressBar::new(progress.share as f32).desired_width(90.0).desired_height(8.0);
-    ui.add(bar);
+    let (rect, _) = ui.allocate_exact_size(vec2(90.0, 6.0), egui::Sense::hover());
+    ui.painter().rect_filled(rect, 3.0, ui.visuals().widgets.inactive.bg_fill);
+    let done = rect.with_max_x(rect.left() + rect.width() * progress.share.clamp(0.0, 1.0) as f32);
+    ui.painter().rect_filled(done, 3.0, theme::accent(ui.visuals()));
     ui.label(egui::RichText::new(text).color(theme::weak(ui.visuals())));
 }
 
