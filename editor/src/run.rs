@@ -234,10 +234,15 @@ impl Editor {
             Command::ToggleOrthographic => camera.orthographic ^= true,
             Command::ToggleGrid => self.scene.hide_grid ^= true,
             Command::Frame if self.session.selection.is_empty() => self.frame_all(),
-            Command::Frame => self.frame(&self.session.selection.ids().to_vec()),
+            Command::Frame => self.frame_selected(),
             Command::FrameAll => self.frame_all(),
             _ => {}
         }
+    }
+
+    fn frame_selected(&mut self) {
+        let ids: Vec<EntityId> = self.session.selection.ids().into();
+        self.frame(&ids);
     }
 
     fn frame_all(&mut self) {

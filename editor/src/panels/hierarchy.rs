@@ -122,7 +122,7 @@ impl Hierarchy {
             }
             self.beside(ui, tree, asks);
         });
-        self.scrolled = shown.state.offset().y;
+        self.scrolled = shown.state.clamped_offset().y;
     }
 
     /// The room under the last row: a click selects nothing, a right click offers to create, what is dropped there stands

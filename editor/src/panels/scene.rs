@@ -30,7 +30,7 @@ use crate::viewport::{Picture, Stage, cube, grid};
 use pick::{all_under, in_area, joined, under};
 
 /// How handles stand and pull.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Handling {
     pub tool: Tool,
     /// Along the axes of the active entity, not the world's.
@@ -39,12 +39,6 @@ pub struct Handling {
     pub centre: bool,
     pub snap: bool,
     pub steps: Steps,
-}
-
-impl Default for Handling {
-    fn default() -> Self {
-        Self { tool: Tool::default(), local: false, centre: false, snap: false, steps: Steps::default() }
-    }
 }
 
 #[derive(Default)]

@@ -53,7 +53,7 @@ fn height_at([a, b, c]: [DVec3; 3], at: DVec3) -> Option<f64> {
     let area = cross(b - a, c - a);
     let (u, v) = (cross(b - a, at - a) / area, cross(at - a, c - a) / area);
     let inside = area != 0.0 && u >= 0.0 && v >= 0.0 && u + v <= 1.0;
-    inside.then(|| a.y + (b.y - a.y) * v + (c.y - a.y) * u)
+    inside.then_some(a.y + (b.y - a.y) * v + (c.y - a.y) * u)
 }
 
 #[cfg(test)]

@@ -15,7 +15,11 @@ use crate::viewport::marks::{self, Mark};
 use crate::viewport::{Picture, Stage};
 
 /// Shift adds, Ctrl takes away what is selected and adds what is not.
-pub(super) fn joined(selection: &Selection, found: Vec<EntityId>, modifiers: egui::Modifiers) -> Vec<EntityId> {
+pub(super) fn joined(
+    selection: &Selection,
+    found: Vec<EntityId>,
+    modifiers: egui::Modifiers,
+) -> Vec<EntityId> {
     if !modifiers.shift && !modifiers.command {
         return found;
     }

@@ -1,7 +1,6 @@
 //! The inspector: one field, many objects.
 
-mod window;
-
+use crate::window::{Window, open};
 use editor::edit::{Edit, Field};
 use editor::intents::Intent;
 use egui::Key;
@@ -9,7 +8,6 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use engine::scene::{EntityId, Material};
 use glam::{DVec3, Vec3};
-use window::{Window, open};
 
 /// Three cubes, each of a material of its own, selected.
 fn three_cubes(window: &mut Window) -> Vec<EntityId> {

@@ -1,14 +1,12 @@
 //! What a person does first: make something, move it, take that back, find it again.
 
-mod window;
-
+use crate::window::{Window, open};
 use editor::intents::Intent;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use engine::scene::file::text_of_scene;
 use glam::DVec3;
 use std::path::Path;
-use window::{Window, open};
 
 fn cube(window: &mut Window) -> engine::scene::EntityId {
     window.made(|window| window.choose("Create", "Create cube"))

@@ -1,12 +1,10 @@
 //! Panels: named, many, and cheap.
 
-mod window;
-
+use crate::window::{Window, open};
 use editor::edit::Edit;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT, Queryable};
 use engine::scene::{Entity, EntityId};
-use window::open;
 
 #[test]
 fn a_tree_of_five_thousand_draws_the_rows_that_are_seen() {
@@ -16,7 +14,7 @@ fn a_tree_of_five_thousand_draws_the_rows_that_are_seen() {
     let new = (0..5000).map(|n| (at + n as usize, many(n))).collect();
     assert!(window.editor_mut().session.commit(Edit::Insert(new)));
     window.settle();
-    let rows = |window: &window::Window| {
+    let rows = |window: &Window| {
         let named = |node: &egui_kittest::Node<'_>| {
             node.accesskit_node().label().is_some_and(|label| label.starts_with("stone "))
         };

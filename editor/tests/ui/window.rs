@@ -18,8 +18,6 @@ use glam::{DQuat, DVec3};
 
 pub struct Window {
     pub harness: Harness<'static, Editor>,
-    /// Gone with the window.
-    pub project: PathBuf,
     _folder: tempfile::TempDir,
 }
 
@@ -39,7 +37,7 @@ pub fn open_sized(size: Vec2) -> Option<Window> {
         .with_context_setup(theme::install)
         .renderer(WgpuTestRenderer::from_render_state(state))
         .build_ui_state(|ui, editor: &mut Editor| editor.ui(ui), editor);
-    let mut window = Window { harness, project, _folder: folder };
+    let mut window = Window { harness, _folder: folder };
     window.settle();
     Some(window)
 }
