@@ -26,6 +26,7 @@ pub mod direct;
 pub mod file;
 pub mod key;
 pub mod materials;
+pub mod needs;
 pub mod occluders;
 pub mod packed;
 pub mod probe_field;
