@@ -106,7 +106,8 @@ impl Renderer {
             Ok(both.map(|(emitted, bounced)| emitted + bounced).collect())
         };
         let patches = spaces.patch_count as usize;
-        let probes = if self.probes_current { 9 * spaces.probe_count as usize } else { 0 };
+        let probes =
+            if self.probes_current && spaces.has_probes() { 9 * spaces.probe_count as usize } else { 0 };
         Ok(Solved {
             exitance: read(&spaces.exitance, patches, unit)?,
             radiosity: read(&spaces.radiosity, self.transport.columns(), unit)?,
@@ -157,10 +158,13 @@ impl Renderer {
     }
 
     /// Bytes on the GPU by kind.
-    pub fn bytes(&self) -> [(&'static str, u64); 11] {
+    pub fn bytes(&self) -> [(&'static str, u64); 13] {
+        let [receiver_rows, probe_rows] = self.gather.bytes();
         [
-            ("rows", self.bounce.bytes() + self.gather.bytes()),
-            ("light", self.spaces.bytes + self.objects.bytes()),
+            ("rows", self.bounce.bytes() + receiver_rows),
+            ("rows of probes", probe_rows),
+            ("light", self.spaces.bytes),
+            ("light of probes", self.spaces.probe_bytes() + self.objects.bytes()),
             ("coarse correction", self.coarse.bytes),
             ("surface", self.still.bytes),
             ("shadow rays", self.direct.bytes()),

@@ -24,6 +24,7 @@ pub mod materials;
 pub mod meshes;
 pub mod objects;
 pub mod overlay;
+mod paint;
 pub mod patches;
 pub mod pictures;
 pub mod probes;

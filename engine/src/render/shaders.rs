@@ -1,5 +1,6 @@
 //! Every shader, embedded.
 
+use super::surface::Parts;
 use crate::gpu::GpuError;
 use crate::gpu::shader::{Library, Source};
 
@@ -55,6 +56,17 @@ pub const EXPOSURE: Source =
 pub const TONEMAP: Source = Source { name: "tonemap", text: include_str!("../../../shaders/tonemap.wgsl") };
 pub const OVERLAY: Source = Source { name: "overlay", text: include_str!("../../../shaders/overlay.wgsl") };
 pub const MIPMAP: Source = Source { name: "mipmap", text: include_str!("../../../shaders/mipmap.wgsl") };
+
+/// What may be defined in a pass, each set as some scene has it: nothing, each part alone, and all of them.
+pub fn defines(pass: &str) -> Vec<Vec<&'static str>> {
+    let all = match pass {
+        "surface" => Parts::ALL.defines(),
+        "shadow" => vec!["HOLES"],
+        _ => Vec::new(),
+    };
+    let alone = all.iter().map(|part| vec![*part]);
+    [Vec::new()].into_iter().chain(alone).chain([all.clone()]).collect()
+}
 
 pub fn library() -> Result<Library, GpuError> {
     Library::new(&IMPORTED)

@@ -31,8 +31,9 @@ pub struct Spaces {
     pub bounced: wgpu::Buffer,
     /// By receiver: irradiance from `emitted`, and from `bounced`.
     pub receivers: [wgpu::Buffer; 2],
-    /// Nine a probe, and nine more for where no probe is: likewise.
+    /// Nine a probe, and nine more for where no probe is: likewise. Nothing while nobody reads them.
     pub probes: [wgpu::Buffer; 2],
+    has_probes: bool,
     pub bytes: u64,
 }
 
@@ -46,13 +47,13 @@ impl Spaces {
             ("sky", columns * 16),
             ("samples", size_of::<Sample>() as u64 * samples.len() as u64),
             ("receivers", receivers * 16),
-            ("probes", (probes + 1) * 144),
         ];
         for (what, bytes) in sizes {
             gpu.fits(what, bytes)?;
         }
         let light = |label, count: u64| buffer::empty(gpu, label, count * 16, Usage::STORAGE);
         let both = |label, count: u64| [light(label, count), light(label, count)];
+        gpu.fits("probes", (probes + 1) * 144)?;
         Ok(Self {
             patch_count: patches as u32,
             receiver_count: receivers as u32,
@@ -68,13 +69,30 @@ impl Spaces {
             next: light("next", patches),
             bounced: light("bounced", columns),
             receivers: both("receivers", receivers),
-            probes: both("probes", (probes + 1) * 9),
+            probes: both("probes", 0),
+            has_probes: false,
             bytes: sizes.iter().map(|size| size.1).sum::<u64>()
                 + patches * 48
                 + columns * 32
-                + receivers * 16
-                + (probes + 1) * 144,
+                + receivers * 16,
         })
+    }
+
+    /// Whether there is light of probes.
+    pub fn has_probes(&self) -> bool {
+        self.has_probes
+    }
+
+    /// Makes room for the light of probes, or gives it back.
+    pub fn hold_probes(&mut self, gpu: &Gpu, held: bool) {
+        let bytes = if held { (u64::from(self.probe_count) + 1) * 144 } else { 0 };
+        self.probes = [0, 1].map(|_| buffer::empty(gpu, "probes", bytes, Usage::STORAGE));
+        self.has_probes = held;
+    }
+
+    /// Bytes of the light of probes.
+    pub fn probe_bytes(&self) -> u64 {
+        if self.has_probes { (u64::from(self.probe_count) + 1) * 288 } else { 0 }
     }
 
     /// No light anywhere.

@@ -94,6 +94,12 @@ impl Needs {
         &self.verdicts[feature as usize]
     }
 
+    /// Whether the author says so; where nothing is said, whether the scene asks for it `now`, which no verdict can
+    /// know beforehand: things come and go while it plays.
+    pub fn is_asked(&self, feature: Feature, now: bool) -> bool {
+        self.verdict(feature).forced.map_or(now, |forced| forced == Forced::In)
+    }
+
     /// A line for each feature that is not there, and why.
     pub fn left_out(&self) -> impl Iterator<Item = String> + '_ {
         let out = self.verdicts.iter().filter(|verdict| !verdict.is_in);
