@@ -84,16 +84,18 @@ impl<Key: Variant, Pipeline: Clone> Pipelines<Key, Pipeline> {
     }
 }
 
-/// The compute pipelines of one shader file, by entry point; all have the same groups.
+/// What is defined in a shader file.
+pub type Defines = &'static [&'static str];
+
+/// The compute pipelines of one shader file, by entry point and what is defined; all have the same groups.
 pub struct Compute {
     pipelines: Pipelines<Entry, wgpu::ComputePipeline>,
     layout: wgpu::PipelineLayout,
-    defines: &'static [&'static str],
 }
 
 /// An entry point of a file in which something is defined.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
-struct Entry(&'static str, &'static [&'static str]);
+struct Entry(&'static str, Defines);
 
 impl Variant for Entry {
     fn name(&self) -> String {
@@ -106,20 +108,15 @@ impl Variant for Entry {
 }
 
 impl Compute {
-    pub fn new(
-        compiler: &Arc<Compiler>,
-        source: Source,
-        defines: &'static [&'static str],
-        groups: &Groups<'_>,
-    ) -> Self {
+    pub fn new(compiler: &Arc<Compiler>, source: Source, groups: &Groups<'_>) -> Self {
         let layout = pass::pipeline_layout(&compiler.gpu, groups);
-        Self { pipelines: Pipelines::new(compiler, source), layout, defines }
+        Self { pipelines: Pipelines::new(compiler, source), layout }
     }
 
     /// The pass goes on with this pipeline. Returns whether it is there.
-    pub fn set(&self, pass: &mut wgpu::ComputePass<'_>, entry: &'static str) -> bool {
+    pub fn set(&self, pass: &mut wgpu::ComputePass<'_>, entry: &'static str, defines: Defines) -> bool {
         let make = |gpu: &Gpu, module: &wgpu::ShaderModule| pass::compute(gpu, module, entry, &self.layout);
-        let pipeline = self.pipelines.get(Entry(entry, self.defines), make);
+        let pipeline = self.pipelines.get(Entry(entry, defines), make);
         if let Some(pipeline) = &pipeline {
             pass.set_pipeline(pipeline);
         }

@@ -53,7 +53,7 @@ impl Bounce {
         );
         let groups = [None, None, Some(&layout), Some(page_layout)];
         Self {
-            pipelines: Compute::new(compiler, shaders::BOUNCE, &[], &groups),
+            pipelines: Compute::new(compiler, shaders::BOUNCE, &groups),
             group,
             summed,
             rows,
@@ -96,12 +96,12 @@ impl Bounce {
                 Summed::ByThread => "bounce",
                 Summed::ByGroup => "bounce_by_group",
             };
-            if !self.pipelines.set(&mut pass, entry) {
+            if !self.pipelines.set(&mut pass, entry, self.rows.defines()) {
                 return 0;
             }
             pass.set_bind_group(2, &self.group, &[]);
             dispatches += self.rows.dispatch(&mut pass, self.summed);
-            if product == products && self.pipelines.set(&mut pass, "measure") {
+            if product == products && self.pipelines.set(&mut pass, "measure", self.rows.defines()) {
                 dispatches += self.rows.dispatch(&mut pass, Summed::ByThread);
             }
             dispatches += coarse.correct(&mut pass);

@@ -54,7 +54,7 @@ impl Renderer {
                 capture: 1,
                 ..frame
             },
-            brightest: self.steering.brightest(),
+            brightest: self.steering.brightest().max(self.responses.brightest()),
         };
         let captured = self.reflections.capture(encoder, &mut set, self.seen, still);
         if captured.first {

@@ -52,7 +52,7 @@ impl Coarse {
         ];
         let pipelines = [0, 2].map(|light| {
             let groups = [None, None, Some(&layouts[light]), Some(&layouts[light + 1])];
-            Compute::new(compiler, shaders::COARSE, &[], &groups)
+            Compute::new(compiler, shaders::COARSE, &groups)
         });
         let uniform = CoarseUniform {
             patches: spaces.patch_count,
@@ -106,15 +106,15 @@ impl Coarse {
         if self.uniform.aggregates > 0 {
             pass.set_bind_group(2, &self.before, &[]);
             pass.set_bind_group(3, &self.own[0], &[]);
-            if self.pipelines[0].set(pass, "restrict_change") {
+            if self.pipelines[0].set(pass, "restrict_change", &[]) {
                 pass::dispatch(pass, self.uniform.aggregates * self.uniform.chunks);
             }
-            if self.pipelines[0].set(pass, "solve") {
+            if self.pipelines[0].set(pass, "solve", &[]) {
                 pass.dispatch_workgroups(1, 1, 1);
             }
             dispatches += 2;
         }
-        if !self.pipelines[1].set(pass, "correct") {
+        if !self.pipelines[1].set(pass, "correct", &[]) {
             return 0;
         }
         pass.set_bind_group(2, &self.light, &[]);

@@ -22,7 +22,7 @@ impl Dering {
     pub fn new(gpu: &Gpu, compiler: &Arc<Compiler>, spaces: &Spaces) -> Self {
         let layout = pass::layout(gpu, "dering", wgpu::ShaderStages::COMPUTE, &[Binding::Write]);
         Self {
-            pipeline: Compute::new(compiler, shaders::DERING, &[], &[None, None, Some(&layout)]),
+            pipeline: Compute::new(compiler, shaders::DERING, &[None, None, Some(&layout)]),
             probes: groups(gpu, &layout, spaces),
             count: spaces.probe_count,
             layout,
@@ -43,7 +43,7 @@ impl Dering {
             label: Some("dering"),
             timestamp_writes: timer.compute("dering"),
         });
-        if !self.pipeline.set(&mut pass, "dering") {
+        if !self.pipeline.set(&mut pass, "dering", &[]) {
             return 0;
         }
         pass.set_bind_group(2, &self.probes[source as usize], &[]);

@@ -60,7 +60,7 @@ impl Direct {
         let rays_layout = Rays::layout(gpu);
         let groups = [Some(frame_layout), Some(scene_layout), Some(&layout), Some(&rays_layout)];
         Self {
-            pipelines: Compute::new(compiler, shaders::DIRECT, &[], &groups),
+            pipelines: Compute::new(compiler, shaders::DIRECT, &groups),
             group: pass::buffers(
                 gpu,
                 "direct",
@@ -86,6 +86,9 @@ impl Direct {
         casters: &Casters<'_>,
         (maps, maps_changed): (&[GpuLight], bool),
     ) -> Result<bool, GpuError> {
+        if self.patch_count == 0 {
+            return Ok(false);
+        }
         let shining = placed.iter().filter(|light| lights::shines(light));
         let casting = shining.clone().any(|light| light.light.casts_shadows);
         let now: Vec<GpuLight> = shining.map(lights::on_gpu).collect();
@@ -133,7 +136,7 @@ impl Direct {
             timestamp_writes: timer.compute("direct"),
         });
         let entry = if self.used == PatchShadows::Rays { "direct_by_rays" } else { "direct" };
-        if !self.pipelines.set(&mut pass, entry) {
+        if !self.pipelines.set(&mut pass, entry, &[]) {
             return 0;
         }
         pass.set_bind_group(0, frame, &[]);

@@ -92,7 +92,7 @@ impl Exposure {
         });
         let pipelines = layout.each_ref().map(|layout| {
             let groups = [Some(frame_layout), None, None, Some(layout)];
-            Compute::new(compiler, shaders::EXPOSURE, &[], &groups)
+            Compute::new(compiler, shaders::EXPOSURE, &groups)
         });
         let bytes = size_of::<ExposureState>() as u64;
         Self {
@@ -189,10 +189,10 @@ impl Exposure {
         });
         pass.set_bind_group(0, frame.1, &[]);
         pass.set_bind_group(3, group, &[]);
-        if self.pipelines[many].set(&mut pass, ["count", "count_samples"][many]) {
+        if self.pipelines[many].set(&mut pass, ["count", "count_samples"][many], &[]) {
             pass::dispatch(&mut pass, looked_at(targets.size).div_ceil(A_THREAD));
         }
-        if self.pipelines[many].set(&mut pass, "adapt") {
+        if self.pipelines[many].set(&mut pass, "adapt", &[]) {
             pass.dispatch_workgroups(1, 1, 1);
         }
         drop(pass);

@@ -29,6 +29,7 @@ use super::patches::Patches;
 use super::pictures::Pictures;
 use super::probes::Probes;
 use super::reflections::{Reflections, Seen};
+use super::responses::Responses;
 use super::rows::{self, PagedRows, Summed};
 use super::shadow::{Asked as ShadowsAsked, Camera, Recording, Shadows};
 use super::sky::SkyPass;
@@ -168,6 +169,7 @@ pub struct Renderer {
     pub(super) seen: (Seen, u64),
     pub(super) moved: u64,
     pub(super) needs: Needs,
+    pub(super) responses: Responses,
 }
 
 impl Renderer {
@@ -205,7 +207,8 @@ impl Renderer {
         let frame = buffer::filled(gpu_ref, "frame", &[FrameUniform::zeroed()], FRAME);
         let page = &rows::page_layout(gpu_ref);
         let summed = settings.summed.unwrap_or_else(|| Summed::best(gpu_ref));
-        let paged = |what, rows| PagedRows::new(gpu_ref, page, what, rows);
+        let row_layout = layout_of_rows(&needs);
+        let paged = |what, rows| PagedRows::new(gpu_ref, page, what, (rows, transport.columns()), row_layout);
         let patch_rows = paged("patch", &transport.patch_from_patch)?;
         let receiver_rows = paged("receiver", &transport.receiver_from_patch)?;
         let spaces = Spaces::new(gpu_ref, &transport)?;
@@ -267,6 +270,7 @@ impl Renderer {
             seen: (Seen::default(), 0),
             moved: 0,
             needs,
+            responses: Responses::default(),
             transport,
             settings,
             gpu,
@@ -319,13 +323,20 @@ impl Renderer {
         let uniform = self.write_frame(gpu, now, display);
 
         // Light on patches, then from patch to patch, then to receivers and probes.
-        let dark = !self.sources.shines() && !lights.iter().any(lights::shines);
-        let mut drawn = self.light(&mut encoder, lit, emitted, dark, probes_read);
+        let transport = self.transport.clone();
+        let (mut drawn, relit) = match &transport.solved {
+            Some(solved) => self.responded(&mut encoder, solved, now.scene, probes_read),
+            None => {
+                let dark = !self.sources.shines() && !lights.iter().any(lights::shines);
+                (self.light(&mut encoder, lit, emitted, dark, probes_read), false)
+            }
+        };
 
         // What reflection probes see.
         let stirred = shadowed.changed
             || materials_changed
             || lit
+            || relit
             || drawn.products > 0
             || emitted != Changed::default();
         self.follow(stirred, sky_changed);
@@ -411,4 +422,12 @@ fn without_probes(transport: Arc<Transport>) -> Arc<Transport> {
         probe_from_patch: Rows::default(),
         ..(*transport).clone()
     })
+}
+
+pub(super) fn layout_of_rows(needs: &Needs) -> rows::Layout {
+    match needs.verdict(Feature::Columns).forced {
+        Some(Forced::In) => rows::Layout::Sparse,
+        Some(Forced::Out) => rows::Layout::Dense,
+        None => rows::Layout::AsSuits,
+    }
 }

@@ -11,7 +11,6 @@ use crate::gpu::pass::{self, Binding};
 use crate::gpu::pipeline::{Compiler, Compute};
 use crate::gpu::timing::Timer;
 use crate::gpu::{Gpu, GpuError, buffer};
-use crate::transport::Rows;
 
 /// `Mean` in `transport/mean.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -76,8 +75,8 @@ impl Gather {
         let groups_of_rows = [Some(frame_layout), None, Some(&layout), Some(page_layout)];
         let groups_of_mean = [None, None, Some(&layout), Some(&mean_layout)];
         Self {
-            pipelines: Compute::new(compiler, shaders::GATHER, &[], &groups_of_rows),
-            mean: Compute::new(compiler, shaders::MEAN, &[], &groups_of_mean),
+            pipelines: Compute::new(compiler, shaders::GATHER, &groups_of_rows),
+            mean: Compute::new(compiler, shaders::MEAN, &groups_of_mean),
             summed,
             receivers: groups(gpu, &layout, sources, &spaces.receivers),
             mean_own: pass::buffers(gpu, "mean", &mean_layout, &[&uniform]),
@@ -92,7 +91,7 @@ impl Gather {
     pub fn hold_probes(
         &mut self,
         gpu: &Gpu,
-        rows: &Rows,
+        rows: impl FnOnce(&wgpu::BindGroupLayout) -> Result<PagedRows, GpuError>,
         spaces: &Spaces,
         held: bool,
     ) -> Result<(), GpuError> {
@@ -100,12 +99,30 @@ impl Gather {
         if held {
             let to = |from| groups(gpu, &self.layout, from, &spaces.probes);
             self.probes = Some(OfProbes {
-                rows: PagedRows::new(gpu, &self.page_layout, "probe", rows)?,
+                rows: rows(&self.page_layout)?,
                 groups: to([&spaces.emitted, &spaces.bounced]),
                 means: to(spaces.receivers.each_ref()),
             });
         }
         Ok(())
+    }
+
+    /// Where no row is gathered: what is where no probe is. Returns the dispatches.
+    pub fn mean_of_receivers(&self, encoder: &mut wgpu::CommandEncoder, timer: &mut Timer) -> u32 {
+        let Some(probes) = &self.probes else { return 0 };
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some("gather"),
+            timestamp_writes: timer.compute("gather"),
+        });
+        if !self.mean.set(&mut pass, "mean", &[]) {
+            return 0;
+        }
+        pass.set_bind_group(3, &self.mean_own, &[]);
+        for means in &probes.means {
+            pass.set_bind_group(2, means, &[]);
+            pass.dispatch_workgroups(1, 1, 1);
+        }
+        2
     }
 
     /// Of the rows of receivers, and of probes.
@@ -134,16 +151,18 @@ impl Gather {
             Summed::ByThread => "gather",
             Summed::ByGroup => "gather_by_group",
         };
-        if !self.pipelines.set(&mut pass, entry) {
-            return 0;
-        }
         pass.set_bind_group(0, frame, &[]);
-        pass.set_bind_group(2, &self.receivers[which], &[]);
-        let mut dispatches = self.receiver_rows.dispatch(&mut pass, self.summed);
+        let mut dispatches = 0;
+        if self.pipelines.set(&mut pass, entry, self.receiver_rows.defines()) {
+            pass.set_bind_group(2, &self.receivers[which], &[]);
+            dispatches += self.receiver_rows.dispatch(&mut pass, self.summed);
+        }
         let Some(probes) = &self.probes else { return dispatches };
-        pass.set_bind_group(2, &probes.groups[which], &[]);
-        dispatches += probes.rows.dispatch(&mut pass, self.summed);
-        if !self.mean.set(&mut pass, "mean") {
+        if self.pipelines.set(&mut pass, entry, probes.rows.defines()) {
+            pass.set_bind_group(2, &probes.groups[which], &[]);
+            dispatches += probes.rows.dispatch(&mut pass, self.summed);
+        }
+        if !self.mean.set(&mut pass, "mean", &[]) {
             return dispatches;
         }
         pass.set_bind_group(2, &probes.means[which], &[]);

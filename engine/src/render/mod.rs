@@ -31,6 +31,7 @@ pub mod probes;
 mod radiosity;
 pub mod rays;
 pub mod reflections;
+mod responses;
 pub mod rows;
 pub mod shaders;
 pub mod shadow;

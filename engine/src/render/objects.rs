@@ -45,7 +45,7 @@ impl Objects {
             transport,
             field: OnceLock::new(),
             cells: HashMap::new(),
-            pipeline: Compute::new(compiler, shaders::OBJECTS, &[], &[None, None, Some(&layout)]),
+            pipeline: Compute::new(compiler, shaders::OBJECTS, &[None, None, Some(&layout)]),
             group: group(gpu, &layout, spaces, &weights, &light),
             weights,
             light,
@@ -123,7 +123,7 @@ impl Objects {
             label: Some("objects"),
             timestamp_writes: timer.compute("objects"),
         });
-        if !self.pipeline.set(&mut pass, "objects_light") {
+        if !self.pipeline.set(&mut pass, "objects_light", &[]) {
             return 0;
         }
         pass.set_bind_group(2, &self.group, &[]);

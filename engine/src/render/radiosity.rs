@@ -2,8 +2,9 @@
 //! done again; once the light is solved, nothing is done at all.
 
 use super::RenderError;
-use super::frame::{Drawn, Renderer};
+use super::frame::{Drawn, Renderer, layout_of_rows};
 use super::gather::Source;
+use super::rows::PagedRows;
 use super::sources::Changed;
 use super::view::View;
 use crate::scene::Feature;
@@ -16,7 +17,11 @@ impl Renderer {
         if read != self.spaces.has_probes() {
             let gpu = &*self.gpu;
             self.spaces.hold_probes(gpu, read);
-            self.gather.hold_probes(gpu, &self.transport.probe_from_patch, &self.spaces, read)?;
+            let transport = &self.transport;
+            let rows = (&transport.probe_from_patch, transport.columns());
+            let layout = layout_of_rows(&self.needs);
+            let upload = |page: &wgpu::BindGroupLayout| PagedRows::new(gpu, page, "probe", rows, layout);
+            self.gather.hold_probes(gpu, upload, &self.spaces, read)?;
             self.dering.bind(gpu, &self.spaces);
             self.objects.bind(gpu, &self.spaces);
             self.probes_current = false;

@@ -62,6 +62,7 @@ pub fn defines(pass: &str) -> Vec<Vec<&'static str>> {
     let all = match pass {
         "surface" => Parts::ALL.defines(),
         "shadow" => vec!["HOLES"],
+        "transport/bounce" | "transport/gather" => vec!["DENSE"],
         _ => Vec::new(),
     };
     let alone = all.iter().map(|part| vec![*part]);

@@ -80,6 +80,9 @@ impl Sources {
         spaces: &Spaces,
         coarse: &mut Coarse,
     ) -> Result<Changed, GpuError> {
+        if self.transport.solved.is_some() {
+            return Ok(Changed::default());
+        }
         let first = self.held.is_none();
         let mut held = self.held.take().unwrap_or_default();
         let mut changed = Changed { albedo: first, emission: first, rescaled: None };

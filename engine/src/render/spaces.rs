@@ -39,8 +39,10 @@ pub struct Spaces {
 
 impl Spaces {
     pub fn new(gpu: &Gpu, transport: &Transport) -> Result<Self, GpuError> {
-        let (patches, receivers) = (transport.patches.len() as u64, transport.receivers.len() as u64);
-        let (columns, probes) = (transport.columns() as u64, transport.probes.len() as u64);
+        // Where light was solved at the bake, it does not move: only what is read is there.
+        let moves = u64::from(transport.solved.is_none());
+        let (patches, receivers) = (transport.patches.len() as u64 * moves, transport.receivers.len() as u64);
+        let (columns, probes) = (transport.columns() as u64 * moves, transport.probes.len() as u64);
         let samples = &transport.samples;
         let sizes = [
             ("patches", patches * 64),
@@ -60,7 +62,7 @@ impl Spaces {
             valid_receivers: transport.receivers.iter().filter(|receiver| receiver.valid > 0.5).count()
                 as u32,
             probe_count: probes as u32,
-            patches: buffer::filled(gpu, "patches", &transport.patches, Usage::STORAGE),
+            patches: buffer::filled(gpu, "patches", &transport.patches[..patches as usize], Usage::STORAGE),
             samples: buffer::filled(gpu, "samples", samples, Usage::STORAGE),
             albedo: light("albedo", patches),
             emitted: light("emitted", columns),
@@ -119,6 +121,13 @@ impl Spaces {
             let bytes = u64::from(self.patch_count) * 16;
             encoder.copy_buffer_to_buffer(&self.exitance, 0, &self.radiosity, 0, bytes);
         }
+    }
+
+    /// What was solved elsewhere [W/m2]; nothing is dark.
+    pub fn fill(&self, gpu: &Gpu, buffer: &wgpu::Buffer, light: &[Vec3]) {
+        let room = buffer.size() as usize / 16;
+        let dark = vec![Vec3::ZERO; room];
+        write(gpu, buffer, 0, if light.is_empty() { &dark } else { &light[..light.len().min(room)] });
     }
 
     pub fn set_albedo(&self, gpu: &Gpu, albedo: &[Vec3]) {

@@ -57,7 +57,7 @@ impl Rescale {
         let uniform = buffer::empty(gpu, "unit", 16, wgpu::BufferUsages::UNIFORM);
         let groups = [None, None, Some(&light), Some(&own)];
         Self {
-            pipeline: Compute::new(compiler, shaders::UNIT, &[], &groups),
+            pipeline: Compute::new(compiler, shaders::UNIT, &groups),
             lights: [&spaces.radiosity, &spaces.bounced]
                 .map(|buffer| pass::buffers(gpu, "unit", &light, &[buffer])),
             own: pass::buffers(gpu, "unit", &own, &[&uniform]),
@@ -77,7 +77,7 @@ impl Rescale {
             label: Some("rescale"),
             timestamp_writes: timer.compute("rescale"),
         });
-        if !self.pipeline.set(&mut pass, "rescale") {
+        if !self.pipeline.set(&mut pass, "rescale", &[]) {
             return 0;
         }
         pass.set_bind_group(3, &self.own, &[]);

@@ -97,7 +97,7 @@ impl Prefilter {
         Self {
             draws: Pipelines::new(compiler, shaders::PREFILTER),
             layout: pass::pipeline_layout(gpu, &[None, None, None, Some(&draw_layout)]),
-            project: Compute::new(compiler, shaders::PREFILTER, &[], &groups),
+            project: Compute::new(compiler, shaders::PREFILTER, &groups),
             draw_layout,
             project_layout,
             sampler: sampler(gpu),
@@ -221,7 +221,7 @@ impl Prefilter {
             label: Some("project"),
             timestamp_writes: timer.compute("prefilter"),
         });
-        if self.project.set(&mut pass, "project") {
+        if self.project.set(&mut pass, "project", &[]) {
             pass.set_bind_group(3, &source.projection, &[]);
             pass.dispatch_workgroups(1, 1, 1);
         }
