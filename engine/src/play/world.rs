@@ -1,6 +1,6 @@
 //! What is played: a scene with its assets and its bake, and where everything is at a time.
 
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -13,8 +13,9 @@ use crate::scene::assets::{Assets, ClipSource};
 use crate::scene::import::load_assets;
 use crate::scene::motion::moved;
 use crate::scene::transform::world_from_local_of;
-use crate::scene::{Changes, Entity, Motion, Scene, Warning, file};
+use crate::scene::{Changes, Entity, Feature, Forced, Motion, Scene, Warning, file};
 use crate::transport::key::{BakeWith, inputs};
+use crate::transport::needs::{Needs, needs_in_play};
 use crate::transport::stale::Stale;
 use crate::transport::{self, Transport};
 
@@ -23,6 +24,8 @@ pub struct World {
     pub scene: Scene,
     pub assets: Assets,
     pub transport: Arc<Transport>,
+    /// What is there of all that costs, what is left out, and why.
+    pub needs: Needs,
     /// What of the scene has no baked light, and why.
     pub left_out: Vec<String>,
     /// Albedo as authored, however long light bounces.
@@ -46,7 +49,7 @@ impl World {
         let scene = file::load_scene(project, &name)?;
         let (assets, mut warnings) = load_assets(project, &scene)?;
         warnings.extend(transport::materials::warnings(&scene));
-        let (mut transport, lacks) = bake_of(project, &name, &scene, &assets, force)?;
+        let (mut transport, lacks) = bake_of(project, &name, (&scene, &assets), &settings.features, force)?;
         if let Some(broken) = transport.certificate.broken().filter(|_| !transport.patches.is_empty()) {
             let message = format!("its bake is used though its certificate does not hold: {broken}");
             warnings.push(Warning::new(format!("scene `{name}`"), message));
@@ -60,6 +63,7 @@ impl World {
         if transport.surface.vertices.is_empty() {
             transport.origin = origin_near((low + high) * 0.5);
         }
+        let needs = needs_in_play(&scene, &assets, &transport, &settings.features);
         let transport = Arc::new(transport);
         let unlimited_gain = settings.bake.unlimited_gain;
         let (size, default_eye) = ((high - low).length(), Eye::framing(low, high));
@@ -70,6 +74,7 @@ impl World {
             scene,
             assets,
             transport,
+            needs,
             left_out,
             unlimited_gain,
             cubemaps,
@@ -169,8 +174,8 @@ fn parent_from_local(entity: &Entity, assets: &Assets, seconds: f64) -> DAffine3
 fn bake_of(
     project: &Path,
     name: &str,
-    scene: &Scene,
-    assets: &Assets,
+    (scene, assets): (&Scene, &Assets),
+    forced: &BTreeMap<Feature, Forced>,
     force: bool,
 ) -> Result<(Transport, Option<String>), PlayError> {
     let path = transport::file::path(project, name);
@@ -195,7 +200,7 @@ fn bake_of(
         rays: certificate.rays_per_row,
         length: certificate.base_length,
     };
-    let stale = Stale::between(&certificate.inputs, &inputs(scene, assets, &with));
+    let stale = Stale::between(&certificate.inputs, &inputs(scene, assets, &with, forced));
     if stale.is_empty() {
         return Ok((transport, None));
     }
