@@ -12,6 +12,7 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use glam::{DAffine3, Mat4, Vec3, Vec4};
 
+use super::asked::Asked;
 use super::bounce::Bounce;
 use super::casters::Casters;
 use super::coarse::Coarse;
@@ -43,12 +44,10 @@ use super::unit::Rescale;
 use super::view::{Eye, View};
 use super::{RenderError, lights, shaders};
 use crate::gpu::pass::{self, Binding};
-use crate::gpu::pipeline::Compiler;
 use crate::gpu::timing::{Passes, Timer};
 use crate::gpu::{Gpu, buffer};
 use crate::scene::assets::Assets;
 use crate::scene::{Feature, Forced, Scene, Sky};
-use crate::transport::needs::Needs;
 use crate::transport::{Depths, Occluders, Rows, Transport};
 
 /// The scene as it is now, and where it is looked at from.
@@ -168,46 +167,45 @@ pub struct Renderer {
     /// What captures show, and changes of the sky.
     pub(super) seen: (Seen, u64),
     pub(super) moved: u64,
-    pub(super) needs: Needs,
+    pub(super) asked: Asked,
     pub(super) responses: Responses,
 }
 
 impl Renderer {
-    /// For a scene at which nobody has looked: see [`Self::with_needs`].
+    /// As the scene asks, frame by frame.
     pub fn new(
         gpu: Arc<Gpu>,
         transport: Arc<Transport>,
         assets: &Assets,
         settings: Settings,
     ) -> Result<Self, RenderError> {
-        Self::with_needs(gpu, transport, assets, settings, Needs::all())
+        Self::asked(gpu, transport, assets, settings, Asked::default())
     }
 
     /// Uploads what is needed of the bake. Pipelines are made when they are first used.
     ///
-    /// What the scene alone tells is seen frame by frame, so that nothing is missing that has come into it since; of
-    /// the verdicts counts what the author says ([`Needs::is_asked`]), and what the bake tells.
-    pub fn with_needs(
+    /// What the author says of features holds; all else is there while the scene asks for it.
+    pub fn asked(
         gpu: Arc<Gpu>,
         transport: Arc<Transport>,
         assets: &Assets,
         settings: Settings,
-        needs: Needs,
+        asked: Asked,
     ) -> Result<Self, RenderError> {
         transport.validate().map_err(RenderError::Transport)?;
-        let forced = |feature| needs.verdict(feature).forced;
+        let forced = |feature| asked.said(feature);
         let transport = match forced(Feature::LightProbes) {
             Some(Forced::Out) => without_probes(transport),
             _ => transport,
         };
         let gpu_ref = gpu.as_ref();
-        let compiler = &Arc::new(Compiler { gpu: gpu.clone(), library: shaders::library()? });
+        let compiler = &shaders::compiler(&gpu)?;
         let stages = wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE;
         let frame_layout = &pass::layout(gpu_ref, "frame", stages, &[Binding::Uniform]);
         let frame = buffer::filled(gpu_ref, "frame", &[FrameUniform::zeroed()], FRAME);
         let page = &rows::page_layout(gpu_ref);
         let summed = settings.summed.unwrap_or_else(|| Summed::best(gpu_ref));
-        let row_layout = layout_of_rows(&needs);
+        let row_layout = layout_of_rows(&asked);
         let paged = |what, rows| PagedRows::new(gpu_ref, page, what, (rows, transport.columns()), row_layout);
         let patch_rows = paged("patch", &transport.patch_from_patch)?;
         let receiver_rows = paged("receiver", &transport.receiver_from_patch)?;
@@ -215,12 +213,12 @@ impl Renderer {
         let occluders = Occluders::new(&transport);
         let mut pictures = Pictures::new(gpu_ref, compiler);
         let materials = Materials::new(gpu_ref, assets, &mut pictures);
-        let asked = ShadowsAsked {
+        let of_shadows = ShadowsAsked {
             maps: forced(Feature::ShadowMaps),
             holes: forced(Feature::Holes),
             in_grid: !settings.no_light_grid,
         };
-        let shadows = Shadows::new(gpu_ref, compiler, materials.layout(), asked);
+        let shadows = Shadows::new(gpu_ref, compiler, materials.layout(), of_shadows);
         let scene_layout = shadows.scene_layout();
         let renderer = Self {
             samples: settings.samples.unwrap_or_else(|| targets::most_samples(gpu_ref)),
@@ -242,18 +240,12 @@ impl Renderer {
             rescale: Rescale::new(gpu_ref, compiler, &spaces),
             dering: Dering::new(gpu_ref, compiler, &spaces),
             objects: Objects::new(gpu_ref, compiler, transport.clone(), &spaces),
-            reflections: Reflections::new(gpu_ref, compiler, frame_layout, &needs),
+            reflections: Reflections::new(gpu_ref, compiler, frame_layout, &asked),
             surfaces: Surfaces::new(gpu_ref, compiler, frame_layout, scene_layout, materials.layout()),
             patches: Patches::new(gpu_ref, compiler, frame_layout),
             probes: Probes::new(gpu_ref, compiler, frame_layout),
             tetrahedra: Lines::new(gpu_ref, compiler, frame_layout),
-            sky: SkyPass::new(
-                gpu_ref,
-                compiler,
-                frame_layout,
-                &pictures,
-                needs.is_asked(Feature::Sky, false),
-            ),
+            sky: SkyPass::new(gpu_ref, compiler, frame_layout, &pictures, asked.has(Feature::Sky, false)),
             exposure: Exposure::new(gpu_ref, compiler, frame_layout),
             tonemap: Tonemap::new(gpu_ref, compiler, frame_layout),
             overlay: Overlay::new(gpu_ref, compiler),
@@ -269,7 +261,7 @@ impl Renderer {
             probes_current: false,
             seen: (Seen::default(), 0),
             moved: 0,
-            needs,
+            asked,
             responses: Responses::default(),
             transport,
             settings,
@@ -360,7 +352,7 @@ impl Renderer {
 
     /// The scene's, unless its author does without.
     fn sky_of<'a>(&self, now: &Now<'a>) -> Cow<'a, Sky> {
-        let there = self.needs.is_asked(Feature::Sky, true);
+        let there = self.asked.has(Feature::Sky, true);
         if there { Cow::Borrowed(&now.scene.sky) } else { Cow::Owned(Sky::default()) }
     }
 
@@ -424,8 +416,8 @@ fn without_probes(transport: Arc<Transport>) -> Arc<Transport> {
     })
 }
 
-pub(super) fn layout_of_rows(needs: &Needs) -> rows::Layout {
-    match needs.verdict(Feature::Columns).forced {
+pub(super) fn layout_of_rows(asked: &Asked) -> rows::Layout {
+    match asked.said(Feature::Columns) {
         Some(Forced::In) => rows::Layout::Sparse,
         Some(Forced::Out) => rows::Layout::Dense,
         None => rows::Layout::AsSuits,

@@ -106,7 +106,7 @@ impl Renderer {
 
     /// Parts of the surfaces' shader: lights and cubemaps where there are any, the rest as materials ask for it.
     pub(super) fn variants(&self) -> Variants {
-        let forced = self.needs.verdict(Feature::MaterialVariants).forced;
+        let forced = self.asked.said(Feature::MaterialVariants);
         let of_materials = forced != Some(Forced::Out);
         let there = Parts {
             normal_map: of_materials,

@@ -13,13 +13,13 @@ impl Renderer {
     /// The light of probes is there while something reads it. Returns whether it is.
     pub(super) fn follow_probes(&mut self, view: View) -> Result<bool, RenderError> {
         let reads = self.instances.any_moving() || view.shows_probes();
-        let read = self.needs.is_asked(Feature::LightProbes, reads) || reads;
+        let read = self.asked.has(Feature::LightProbes, reads) || reads;
         if read != self.spaces.has_probes() {
             let gpu = &*self.gpu;
             self.spaces.hold_probes(gpu, read);
             let transport = &self.transport;
             let rows = (&transport.probe_from_patch, transport.columns());
-            let layout = layout_of_rows(&self.needs);
+            let layout = layout_of_rows(&self.asked);
             let upload = |page: &wgpu::BindGroupLayout| PagedRows::new(gpu, page, "probe", rows, layout);
             self.gather.hold_probes(gpu, upload, &self.spaces, read)?;
             self.dering.bind(gpu, &self.spaces);

@@ -1,8 +1,11 @@
 //! Every shader, embedded.
 
+use std::sync::Arc;
+
 use super::surface::Parts;
-use crate::gpu::GpuError;
+use crate::gpu::pipeline::Compiler;
 use crate::gpu::shader::{Library, Source};
+use crate::gpu::{Gpu, GpuError};
 
 /// Files that others import; each stands behind those that it imports itself.
 pub const IMPORTED: [Source; 10] = [
@@ -67,6 +70,11 @@ pub fn defines(pass: &str) -> Vec<Vec<&'static str>> {
     };
     let alone = all.iter().map(|part| vec![*part]);
     [Vec::new()].into_iter().chain(alone).chain([all.clone()]).collect()
+}
+
+/// What makes pipelines of them.
+pub fn compiler(gpu: &Arc<Gpu>) -> Result<Arc<Compiler>, GpuError> {
+    Ok(Arc::new(Compiler { gpu: gpu.clone(), library: library()? }))
 }
 
 pub fn library() -> Result<Library, GpuError> {

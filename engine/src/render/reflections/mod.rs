@@ -29,7 +29,6 @@ use crate::gpu::Gpu;
 use crate::gpu::buffer::Held;
 use crate::gpu::pipeline::Compiler;
 use crate::scene::{EntityId, Feature, Forced, ReflectionProbe};
-use crate::transport::needs::Needs;
 use crate::transport::reflection::Cube;
 use crate::transport::{Occluders, Transport};
 use capture::{Room, Set, Shown, Views};
@@ -120,13 +119,13 @@ impl Reflections {
         gpu: &Gpu,
         compiler: &Arc<Compiler>,
         frame_layout: &wgpu::BindGroupLayout,
-        needs: &Needs,
+        asked: &super::Asked,
     ) -> Self {
         let asked = Asked {
-            cubemaps: needs.verdict(Feature::Reflections).forced,
-            sky: needs.is_asked(Feature::Sky, true),
-            again: needs.is_asked(Feature::Recaptures, false),
-            unseen: needs.is_asked(Feature::UnseenCaptures, false),
+            cubemaps: asked.said(Feature::Reflections),
+            sky: asked.has(Feature::Sky, true),
+            again: asked.has(Feature::Recaptures, false),
+            unseen: asked.has(Feature::UnseenCaptures, false),
         };
         let prefilter = Prefilter::new(gpu, compiler);
         Self {
