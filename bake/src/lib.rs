@@ -21,6 +21,7 @@ mod query;
 mod rays;
 mod receiver;
 mod settings;
+mod ship;
 mod split;
 mod surface;
 
@@ -36,9 +37,10 @@ use std::path::Path;
 use engine::scene::assets::Assets;
 use engine::scene::file::{Project, Quality, baked_dir, load_project, load_scene};
 use engine::scene::import::load_assets;
-use engine::scene::{Scene, SceneError, SkyKind, Warning};
+use engine::scene::{Feature, Scene, SceneError, SkyKind, Warning};
 use engine::transport::file::TransportError;
 use engine::transport::key::{BakeWith, inputs, transport_key};
+use engine::transport::needs::{Needs, needs_of_transport};
 use engine::transport::probe_field::ProbeField;
 use engine::transport::stale::Stale;
 use engine::transport::{Certificate, Transport, file, materials, packed};
@@ -80,9 +82,11 @@ impl Watcher for Silent {}
 
 /// What a bake gives.
 pub struct Baked {
+    /// The full one.
     pub transport: Transport,
-    /// Where it was written.
+    /// What the player loads: less than the full transport where a scene does without some of it.
     pub file: std::path::PathBuf,
+    pub needs: Needs,
     pub warnings: Vec<Warning>,
     /// Nothing had changed: the file on disk was current and no ray was traced.
     pub unchanged: bool,
@@ -122,6 +126,8 @@ pub struct Plan {
     /// Estimated by tracing a few thousand rays.
     pub seconds: f64,
     pub bytes: u64,
+    /// Of what the player loads, by section of its file: where there is a bake of these settings.
+    pub sections: Vec<(String, u64)>,
     pub left_out: Vec<String>,
     pub warnings: Vec<String>,
 }
@@ -183,10 +189,10 @@ fn run(
         settings::settle(&opened.settings, &opened.name, settings, layout::area(&opened.surface))?;
     let inputs = inputs(&opened.scene, &opened.assets, &with);
     let key = transport_key(&inputs);
-    let file = file::path(project, &opened.name);
     watcher.advance(1, 0);
 
-    let current = (!settings.force).then(|| file::load_uncertified(&file).ok()).flatten();
+    let on_disk = || file::load_full_uncertified(project, &opened.name).ok();
+    let current = (!settings.force).then(on_disk).flatten();
     let current = current.filter(|transport| transport.certificate.key == key);
     let unchanged = current.is_some();
     let mut transport = match current {
@@ -219,17 +225,21 @@ fn run(
     certificate.key = key;
     certificate.inputs = inputs;
     certificate.warnings = opened.warnings.iter().map(Warning::to_string).collect();
+    let needs = needs_of_transport(&opened.scene, &opened.assets, &transport, &opened.settings.features);
     certificate.left_out = left_out(&opened.scene);
     certificate.left_out.extend(left_out_of_probes(&transport));
+    certificate.shipped_for = ship::made_for(&opened.scene, &opened.assets, &needs, unlimited);
     if !unchanged {
         certificate.threads = rayon::current_num_threads();
         certificate.seconds = started.elapsed().as_secs_f64();
     }
-    if certificate != before {
-        // A new colour changes the gain, but no row: the file is written again all the same, in one piece.
+    // A new colour or light changes no row: what the player loads is written again, the full transport beside it not.
+    if certificate != before || !file::is_whole(project, &opened.name) {
         transport.certificate = certificate;
+        transport.dense = !needs.has(Feature::Columns);
         transport.certificate.bytes = file::length(&transport);
-        file::save(&file, &transport)?;
+        let shipped = ship::ship(&transport, &opened.scene, &opened.assets, &needs, unlimited);
+        file::save_pair(project, &opened.name, &transport, shipped.as_ref(), unchanged)?;
     }
     if unchanged {
         transport.certificate.rays_traced = 0;
@@ -240,7 +250,8 @@ fn run(
         engine::scene::file::save_project(project, &opened.settings)?;
     }
     watcher.advance(1, 0);
-    Ok(Baked { transport, file, warnings: opened.warnings, unchanged })
+    let file = file::path(project, &opened.name);
+    Ok(Baked { transport, file, needs, warnings: opened.warnings, unchanged })
 }
 
 /// A scene with all that it refers to, and its static surface.
@@ -299,7 +310,8 @@ pub fn plan(project: &Path, scene: Option<&str>, settings: &Settings) -> Result<
     let (with, _) =
         settings::settle(&opened.settings, &opened.name, settings, layout::area(&opened.surface))?;
     let key = transport_key(&inputs(&opened.scene, &opened.assets, &with));
-    let baked = file::load_certificate(&file::path(project, &opened.name));
+    let file = file::path(project, &opened.name);
+    let baked = file::load_certificate(&file);
     let is_current = baked.is_ok_and(|certificate| certificate.key == key);
     let layout = layout::layout(&opened.scene, &opened.assets, &opened.surface, with.length, &Silent)?;
     let transport = &layout.transport;
@@ -326,6 +338,7 @@ pub fn plan(project: &Path, scene: Option<&str>, settings: &Settings) -> Result<
         rays_kept: kept,
         seconds: (rays - kept) as f64 * per_ray / rayon::current_num_threads() as f64,
         bytes: file::length(transport) + bytes as u64,
+        sections: if is_current { file::sections(&file)? } else { Vec::new() },
         left_out: left_out(&opened.scene),
         warnings: opened.warnings.iter().chain(&layout.warnings).map(Warning::to_string).collect(),
     })
@@ -340,14 +353,15 @@ struct Solvable {
 impl Solvable {
     /// To be asked: its certificate holds, or it is forced.
     fn certified(project: &Path, scene: Option<&str>, settings: &Settings) -> Result<Self, BakeError> {
-        Self::open(project, scene, settings, if settings.force { file::load_uncertified } else { file::load })
+        let load = if settings.force { file::load_full_uncertified } else { file::load_full };
+        Self::open(project, scene, settings, load)
     }
 
     fn open(
         project: &Path,
         scene: Option<&str>,
         settings: &Settings,
-        load: fn(&Path) -> Result<Transport, TransportError>,
+        load: fn(&Path, &str) -> Result<Transport, TransportError>,
     ) -> Result<Self, BakeError> {
         let opened = Opened::open(project, scene)?;
         let file = file::path(project, &opened.name);
@@ -357,7 +371,7 @@ impl Solvable {
             let quality = quality.unwrap_or_else(|| opened.settings.bake.quality.to_string());
             return Err(BakeError::Missing { project: project_name, scene: opened.name, quality });
         }
-        let transport = load(&file)?;
+        let transport = load(project, &opened.name)?;
         let certificate = &transport.certificate;
         let stale = |why: &str| {
             Err(BakeError::Stale { project: project_name, scene: opened.name.clone(), why: why.to_owned() })
@@ -381,7 +395,8 @@ impl Solvable {
 /// The certificate of the bake on disk, every statement computed again from the stored arrays.
 pub fn check(project: &Path, scene: Option<&str>, settings: &Settings) -> Result<Certificate, BakeError> {
     let Solvable { opened, transport, .. } =
-        Solvable::open(project, scene, settings, file::load_uncertified)?;
+        Solvable::open(project, scene, settings, file::load_full_uncertified)?;
+    check_shipped(project, &opened)?;
     let mut certificate = transport.certificate.clone();
     let mut materials = materials::of_patches(&transport, &opened.scene, &opened.assets);
     let unlimited = opened.settings.bake.unlimited_gain;
@@ -395,6 +410,26 @@ pub fn check(project: &Path, scene: Option<&str>, settings: &Settings) -> Result
         )));
     }
     Ok(certificate)
+}
+
+/// What the player loads is of the bake beside it, and was made for this scene.
+fn check_shipped(project: &Path, opened: &Opened) -> Result<(), BakeError> {
+    let stale = |why: &str| BakeError::Stale {
+        project: project.display().to_string(),
+        scene: opened.name.clone(),
+        why: why.to_owned(),
+    };
+    if !file::is_whole(project, &opened.name) {
+        return Err(stale("its light file and the full transport beside it are of different bakes"));
+    }
+    let light = file::path(project, &opened.name);
+    let omissions = file::load_omissions(&light)?;
+    let changed = ship::changed(&omissions, &opened.scene, &opened.assets);
+    if changed.is_empty() {
+        return Ok(());
+    }
+    let names = file::names(&changed);
+    Err(stale(&format!("{} leaves out what the scene may need by now: {names}", light.display())))
 }
 
 /// Irradiance at points, in their order. A point too far from any front face is an error that names its

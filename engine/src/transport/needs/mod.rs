@@ -111,6 +111,31 @@ impl Finding {
     }
 }
 
+// STUB
+pub fn relied_on(feature: Feature, scene: &crate::scene::Scene, _: &crate::scene::assets::Assets) -> String {
+    blake3::hash(format!("{feature:?}{scene:?}").as_bytes()).to_hex().to_string()
+}
+pub fn needs_of_scene(
+    _: &crate::scene::Scene,
+    _: &crate::scene::assets::Assets,
+    _: &BTreeMap<Feature, Forced>,
+) -> Needs {
+    Needs::all()
+}
+pub fn needs_of_transport(
+    _: &crate::scene::Scene,
+    _: &crate::scene::assets::Assets,
+    _: &crate::transport::Transport,
+    forced: &BTreeMap<Feature, Forced>,
+) -> Needs {
+    let mut needs = Needs::all();
+    for (&feature, &says) in forced {
+        needs.verdicts[feature as usize].is_in = says == Forced::In;
+    }
+    needs
+}
+// STUB END
+
 #[cfg(test)]
 mod tests {
     use super::*;
