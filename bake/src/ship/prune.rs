@@ -41,18 +41,6 @@ fn is_limited_alike(transport: &Transport, pruned: &Rows, sources: &Sources, dar
     before.iter().zip(after).zip(dark).all(|((before, after), dark)| *dark || *before == after)
 }
 
-/// Without the sky's columns. Returns whether there were any.
-pub fn sky(transport: &mut Transport) -> bool {
-    let n = transport.patches.len();
-    let any = transport.sky_patches > 0;
-    let rows = all(transport).map(|rows| {
-        mapped(rows, |row| rows.row(row).take_while(|&(column, _)| (column as usize) < n).collect())
-    });
-    put(transport, rows);
-    transport.sky_patches = 0;
-    any
-}
-
 /// With one column for the whole sky, which is exact where it is the same everywhere. Returns whether there were more.
 pub fn sky_patches(transport: &mut Transport) -> bool {
     if transport.sky_patches <= sky::FEWEST_PACKED {

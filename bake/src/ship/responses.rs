@@ -27,7 +27,9 @@ pub fn solve(transport: &Transport, sources: &Sources) -> Solved {
         let scene = alone(sources.scene, source);
         Response { source, spread: light_of(transport, &scene, sources.assets, &albedo, &blockers) }
     };
-    Solved { responses: sources_of(sources.scene).into_iter().map(response).collect() }
+    let responses = sources_of(sources.scene).into_iter().map(response);
+    let shines = |response: &Response| response.spread != Spread::default();
+    Solved { responses: responses.filter(shines).collect() }
 }
 
 /// The light of a whole scene, solved in one piece.

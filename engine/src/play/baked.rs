@@ -13,7 +13,7 @@ use crate::scene::file::{Project, Quality};
 use crate::scene::{Entity, Feature, Forced, Scene};
 use crate::transport::file;
 use crate::transport::key::{BakeWith, inputs};
-use crate::transport::needs::{needs_of_scene, relied_on};
+use crate::transport::needs::{grounds, needs_of_scene};
 use crate::transport::stale::Stale;
 use crate::transport::{Omission, Transport};
 
@@ -44,7 +44,7 @@ pub fn find(
     let load = if force { file::load_uncertified } else { file::load };
     let light = load(&path)?;
     let Some(why) = gone(&light, scene, assets, settings) else {
-        return Ok(fitted(light, scene, assets));
+        return Ok(fitted(light, scene, assets, settings));
     };
     let beside = file::full_path(project, name);
     if !beside.is_file() {
@@ -55,7 +55,7 @@ pub fn find(
     let full = whole(load(&beside)?, &light);
     let other = if file::belong(&light, &full) { "" } else { ", which is of another bake" };
     let grown = format!("{why}: all of its bake is loaded from {}{other}", name_of(&beside));
-    Ok(Found { grown: Some(grown), ..fitted(full, scene, assets) })
+    Ok(Found { grown: Some(grown), ..fitted(full, scene, assets, settings) })
 }
 
 /// With the certificate of the light file, which is the newer one.
@@ -71,7 +71,7 @@ fn gone(light: &Transport, scene: &Scene, assets: &Assets, settings: &Project) -
     let is_gone = |omission: &&Omission| {
         let Omission { feature, relied_on: was } = omission;
         settings.features.get(feature) == Some(&Forced::In)
-            || *was != relied_on(*feature, scene, assets)
+            || *was != grounds(*feature, scene, assets)
             || (*feature == Feature::Matrix
                 && light.certificate.unlimited_gain != settings.bake.unlimited_gain)
     };
@@ -89,7 +89,7 @@ fn gone(light: &Transport, scene: &Scene, assets: &Assets, settings: &Project) -
 }
 
 /// Without what does not fit.
-fn fitted(mut transport: Transport, scene: &Scene, assets: &Assets) -> Found {
+fn fitted(mut transport: Transport, scene: &Scene, assets: &Assets, settings: &Project) -> Found {
     let certificate = &transport.certificate;
     if certificate.inputs.is_empty() {
         let lacks = "its bake is of an older baker, all of it is stale and only direct light is shown";
@@ -100,7 +100,7 @@ fn fitted(mut transport: Transport, scene: &Scene, assets: &Assets) -> Found {
         rays: certificate.rays_per_row,
         length: certificate.base_length,
     };
-    let stale = Stale::between(&certificate.inputs, &inputs(scene, assets, &with));
+    let stale = Stale::between(&certificate.inputs, &inputs(scene, assets, &with, &settings.features));
     if stale.is_empty() {
         return Found { transport, ..Found::default() };
     }

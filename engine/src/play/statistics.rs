@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
-use super::overlay::Took;
+use super::overlay::{self, Took};
 use super::{PlayError, World};
 use crate::render::{Drawn, Renderer};
 use crate::scene::file::write_atomically;
@@ -76,6 +76,8 @@ impl<'a> Statistics<'a> {
 /// passes   { NAME: { median_ms, p99_ms } }
 /// patches, receivers, probes, sky_patches, rows, entries
 /// bytes    { KIND: bytes on the GPU }
+/// needs    [ { feature, is_in, forced: null, "in" or "out", why, entities: [ id ],
+///              saving: { file_bytes, gpu_bytes, milliseconds, seconds } } ]
 /// left_out [ what, and why ]
 /// ```
 fn of_renderer(renderer: &Renderer, world: &World) -> Map<String, Value> {
@@ -89,7 +91,7 @@ fn of_renderer(renderer: &Renderer, world: &World) -> Map<String, Value> {
         .collect();
     let bytes: Map<String, Value> =
         renderer.bytes().into_iter().map(|(kind, bytes)| (kind.to_owned(), json!(bytes))).collect();
-    let left_out: Vec<String> = world.left_out.iter().cloned().chain(renderer.left_out()).collect();
+    let left_out: Vec<String> = world.needs.left_out().chain(overlay::left_out(world, renderer)).collect();
     object(json!({
         "adapter": renderer.gpu().name(),
         "timing": if renderer.timer.on_gpu() { "gpu" } else { "cpu" },
@@ -101,6 +103,7 @@ fn of_renderer(renderer: &Renderer, world: &World) -> Map<String, Value> {
         "rows": rows.iter().map(|rows| rows.len()).sum::<usize>(),
         "entries": rows.iter().map(|rows| rows.entries()).sum::<usize>(),
         "bytes": bytes,
+        "needs": world.needs.verdicts,
         "left_out": left_out,
     }))
 }

@@ -14,6 +14,7 @@ use crate::scene::import::load_assets;
 use crate::scene::motion::moved;
 use crate::scene::transform::world_from_local_of;
 use crate::scene::{Changes, Entity, Motion, Scene, Warning, file};
+use crate::transport::needs::{Needs, needs_in_play};
 use crate::transport::{self, Transport};
 
 pub struct World {
@@ -21,6 +22,8 @@ pub struct World {
     pub scene: Scene,
     pub assets: Assets,
     pub transport: Arc<Transport>,
+    /// What is there of all that costs, what is left out, and why.
+    pub needs: Needs,
     /// What of the scene has no baked light, and why.
     pub left_out: Vec<String>,
     /// Albedo as authored, however long light bounces.
@@ -59,6 +62,7 @@ impl World {
         if transport.surface.vertices.is_empty() {
             transport.origin = origin_near((low + high) * 0.5);
         }
+        let needs = needs_in_play(&scene, &assets, &transport, &settings.features);
         let transport = Arc::new(transport);
         let unlimited_gain = settings.bake.unlimited_gain;
         let (size, default_eye) = ((high - low).length(), Eye::framing(low, high));
@@ -69,6 +73,7 @@ impl World {
             scene,
             assets,
             transport,
+            needs,
             left_out,
             unlimited_gain,
             cubemaps,

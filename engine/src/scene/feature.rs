@@ -69,6 +69,11 @@ impl Feature {
         Self::MaterialVariants,
     ];
 
+    /// Whether it is needed is known after the bake alone.
+    pub fn is_of_bake(self) -> bool {
+        matches!(self, Self::BlackPatches | Self::UnlitPatches | Self::CoarseCorrection | Self::Columns)
+    }
+
     /// For people.
     pub fn name(self) -> &'static str {
         match self {

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::key::Input;
+use super::needs::Needs;
 
 /// Written into the bake and printed. Times, threads and texts lie outside the transport hash.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -62,6 +63,8 @@ pub struct Certificate {
     pub noise: [f64; 2],
     /// Triangles dropped for having no area or repeated indices.
     pub dropped_triangles: usize,
+    /// What was found to be needed, with bytes counted in this bake; none in files of before anybody looked.
+    pub needs: Option<Needs>,
     pub left_out: Vec<String>,
     pub warnings: Vec<String>,
 }

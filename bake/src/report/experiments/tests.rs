@@ -60,7 +60,9 @@ fn setup(scene: Scene) -> Setup {
     let settings = Project { default_scene: "corner".to_owned(), bake, ..Project::default() };
     let with = BakeWith { quality: Quality::Standard, rays: RAYS, length: LENGTH };
     let (transport, _) = make(&scene, &assets, &surface, &with, &Caches::none(), &Silent).unwrap();
-    let opened = Opened { settings, name: "corner".to_owned(), scene, assets, surface, warnings: Vec::new() };
+    let authored = scene.clone();
+    let (name, warnings) = ("corner".to_owned(), Vec::new());
+    let opened = Opened { settings, name, scene, authored, assets, surface, warnings };
     Setup { opened, transport, played: None }
 }
 

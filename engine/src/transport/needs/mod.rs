@@ -10,12 +10,112 @@
 //! [`Needs::has`] and nothing more. The author may overrule each verdict by the project's settings ([`Forced`]): in,
 //! and it is there though nobody needs it; out, and whoever needs it does without.
 
+mod as_baked;
+pub mod look;
+#[cfg(test)]
+mod made;
+mod patches;
+mod probes;
+mod reflections;
+mod relied_on;
+mod saving;
+mod shadows;
+mod sky;
+mod solver;
+mod sources;
+mod surfaces;
+mod told;
+
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::scene::EntityId;
+use super::Transport;
+use crate::scene::assets::Assets;
+use crate::scene::{EntityId, Scene};
 pub use crate::scene::{Feature, Forced};
+pub use as_baked::as_baked;
+pub use look::Look;
+pub use reflections::is_smooth;
+pub use relied_on::{grounds, relied_on};
+pub use saving::{Cost, PROBE_RAYS, RowSizes, Sizes};
+pub use solver::SMALL;
+
+/// What the scene alone tells, before any ray. What only a bake tells is taken as needed, and savings are known where
+/// [`Sizes`] are ([`Look::sized`]).
+pub fn needs_of_scene(scene: &Scene, assets: &Assets, forced: &BTreeMap<Feature, Forced>) -> Needs {
+    Look::at_scene(scene, assets, forced).needs()
+}
+
+/// What the bake tells, too; savings are counted in it.
+pub fn needs_of_transport(
+    scene: &Scene,
+    assets: &Assets,
+    transport: &Transport,
+    forced: &BTreeMap<Feature, Forced>,
+) -> Needs {
+    Look::at_transport(scene, assets, transport, forced).needs()
+}
+
+/// What a player tells: what its scene needs now, with what things take on this machine. What a light file left out
+/// cannot be counted in it: that is told as it was when it was baked.
+pub fn needs_in_play(
+    scene: &Scene,
+    assets: &Assets,
+    transport: &Transport,
+    forced: &BTreeMap<Feature, Forced>,
+) -> Needs {
+    let cost = Cost::measured().of_bake(transport);
+    let mut needs = Look::at_transport(scene, assets, transport, forced).costing(cost).needs();
+    let baked = transport.certificate.needs.iter().flat_map(|needs| &needs.verdicts);
+    for (now, then) in needs.verdicts.iter_mut().zip(baked) {
+        if !now.is_in && !then.is_in && now.saving.gpu_bytes < then.saving.gpu_bytes {
+            now.saving = then.saving;
+        }
+        // What only a bake tells, of one whose rows are left out.
+        if now.is_in && !then.is_in && then.feature.is_of_bake() && now.forced.is_none() {
+            *now = then.clone();
+        }
+    }
+    needs
+}
+
+/// By patch: black, and in a room that no source reaches. What has no row and no column where [`Feature::BlackPatches`]
+/// and [`Feature::UnlitPatches`] are left out.
+pub fn dark_patches(scene: &Scene, assets: &Assets, transport: &Transport) -> [Vec<bool>; 2] {
+    let forced = BTreeMap::new();
+    let look = Look::at_transport(scene, assets, transport, &forced);
+    [patches::black(&look), patches::unlit(&look)].map(Option::unwrap_or_default)
+}
+
+impl Look<'_> {
+    pub fn needs(&self) -> Needs {
+        let findings = Feature::ALL.into_iter().map(|feature| (feature, finding(feature, self))).collect();
+        Needs::of(findings, self.forced)
+    }
+}
+
+/// Each feature's rule.
+pub fn finding(feature: Feature, look: &Look<'_>) -> Finding {
+    match feature {
+        Feature::LightProbes => probes::light_probes(look),
+        Feature::Reflections => reflections::reflections(look),
+        Feature::Recaptures => reflections::recaptures(look),
+        Feature::UnseenCaptures => reflections::unseen_captures(look),
+        Feature::Sky => sky::sky(look),
+        Feature::SkyPatches => sky::sky_patches(look),
+        Feature::Directional => surfaces::directional(look),
+        Feature::BlackPatches => patches::black_patches(look),
+        Feature::UnlitPatches => patches::unlit_patches(look),
+        Feature::Matrix => sources::matrix(look),
+        Feature::Colour => sources::colour(look),
+        Feature::CoarseCorrection => solver::coarse_correction(look),
+        Feature::Columns => solver::columns(look),
+        Feature::Holes => surfaces::holes(look),
+        Feature::ShadowMaps => shadows::shadow_maps(look),
+        Feature::MaterialVariants => surfaces::material_variants(look),
+    }
+}
 
 /// What is needed, feature by feature, in the order of [`Feature::ALL`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -53,11 +153,12 @@ pub struct Saving {
 }
 
 /// What a rule found, before the author overrules it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Finding {
     pub needed: bool,
     pub why: String,
     pub entities: Vec<EntityId>,
+    pub saving: Saving,
 }
 
 impl Needs {
@@ -77,11 +178,10 @@ impl Needs {
     /// Verdicts of findings, overruled where the author says so. What is not found is in.
     pub fn of(findings: Vec<(Feature, Finding)>, forced: &BTreeMap<Feature, Forced>) -> Self {
         let mut needs = Self::all();
-        for (feature, Finding { needed, why, entities }) in findings {
-            let verdict = &mut needs.verdicts[feature as usize];
+        for (feature, Finding { needed, why, entities, saving }) in findings {
             let forced = forced.get(&feature).copied().filter(|&forced| (forced == Forced::In) != needed);
             let is_in = forced.map_or(needed, |forced| forced == Forced::In);
-            *verdict = Verdict { is_in, forced, why, entities, ..verdict.clone() };
+            needs.verdicts[feature as usize] = Verdict { feature, is_in, forced, why, entities, saving };
         }
         needs
     }
@@ -93,48 +193,26 @@ impl Needs {
     pub fn verdict(&self, feature: Feature) -> &Verdict {
         &self.verdicts[feature as usize]
     }
-
-    /// A line for each feature that is not there, and why.
-    pub fn left_out(&self) -> impl Iterator<Item = String> + '_ {
-        let out = self.verdicts.iter().filter(|verdict| !verdict.is_in);
-        out.map(|verdict| format!("{}: {}", verdict.feature.name(), verdict.why))
-    }
 }
 
 impl Finding {
     pub fn needed(why: impl Into<String>, entities: Vec<EntityId>) -> Self {
-        Self { needed: true, why: why.into(), entities }
+        Self { needed: true, why: why.into(), entities, ..Self::default() }
     }
 
     pub fn not_needed(why: impl Into<String>) -> Self {
-        Self { needed: false, why: why.into(), entities: Vec::new() }
+        Self { needed: false, why: why.into(), ..Self::default() }
     }
-}
 
-// STUB
-pub fn relied_on(feature: Feature, scene: &crate::scene::Scene, _: &crate::scene::assets::Assets) -> String {
-    blake3::hash(format!("{feature:?}{scene:?}").as_bytes()).to_hex().to_string()
-}
-pub fn needs_of_scene(
-    _: &crate::scene::Scene,
-    _: &crate::scene::assets::Assets,
-    _: &BTreeMap<Feature, Forced>,
-) -> Needs {
-    Needs::all()
-}
-pub fn needs_of_transport(
-    _: &crate::scene::Scene,
-    _: &crate::scene::assets::Assets,
-    _: &crate::transport::Transport,
-    forced: &BTreeMap<Feature, Forced>,
-) -> Needs {
-    let mut needs = Needs::all();
-    for (&feature, &says) in forced {
-        needs.verdicts[feature as usize].is_in = says == Forced::In;
+    /// Those to whom it is due that nobody needs it.
+    pub fn led_to(self, entities: Vec<EntityId>) -> Self {
+        Self { entities, ..self }
     }
-    needs
+
+    pub fn saves(self, saving: Saving) -> Self {
+        Self { saving, ..self }
+    }
 }
-// STUB END
 
 #[cfg(test)]
 mod tests {
@@ -142,7 +220,7 @@ mod tests {
 
     #[test]
     fn the_author_overrules_a_finding_and_what_agrees_is_not_forced() {
-        let found = |needed| vec![(Feature::Sky, Finding { needed, why: "so".into(), entities: vec![] })];
+        let found = |needed| vec![(Feature::Sky, Finding { needed, why: "so".into(), ..Finding::default() })];
         for needed in [false, true] {
             for (forced, is_in) in [(None, needed), (Some(Forced::In), true), (Some(Forced::Out), false)] {
                 let says = forced.map(|forced| (Feature::Sky, forced)).into_iter().collect();
