@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use super::solved::Source;
 use super::{Certificate, Omission, Transport};
-pub use pair::{belong, full_path, load_full, load_full_uncertified, names, path, save_pair};
+pub use pair::{belong, full_path, is_whole, load_full, load_full_uncertified, names, path, save_pair};
 pub use sections::arrays;
 
 const MAGIC: &[u8; 8] = b"HOHLRAUM";

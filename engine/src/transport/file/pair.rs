@@ -11,7 +11,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{TransportError, load_uncertified, save};
+use super::{TransportError, header, load_uncertified, save};
 use crate::scene::file::baked_dir;
 use crate::transport::{Omission, Transport};
 
@@ -51,6 +51,18 @@ pub fn load_full_uncertified(project: &Path, scene: &str) -> Result<Transport, T
     Ok(Transport { certificate, ..full })
 }
 
+/// Do the files of a bake, as far as their heads tell, belong together? A full transport beside one that leaves nothing
+/// out is a left-over.
+pub fn is_whole(project: &Path, scene: &str) -> bool {
+    let (light, beside) = (path(project, scene), full_path(project, scene));
+    let Ok(light) = header(&light) else { return false };
+    match light.omissions.is_empty() {
+        true => !beside.exists(),
+        false => header(&beside)
+            .is_ok_and(|full| full.certificate.transport_hash == light.certificate.transport_hash),
+    }
+}
+
 /// Are a player's transport and a full one of the same bake?
 pub fn belong(light: &Transport, full: &Transport) -> bool {
     light.certificate.transport_hash == full.certificate.transport_hash
@@ -61,25 +73,25 @@ pub fn names(omissions: &[Omission]) -> String {
     names.join(", ")
 }
 
-/// Writes what the player loads: `shipped`, with `full` beside it, or `full` alone. `kept`: the full one on disk beside
-/// the light file is this one already.
+/// Writes what the player loads: `shipped`, with `full` beside it, or `full` alone. `keep`: a full transport that is
+/// there already and has the same hash stays.
 pub fn save_pair(
     project: &Path,
     scene: &str,
     full: &Transport,
     shipped: Option<&Transport>,
-    kept: bool,
+    keep: bool,
 ) -> Result<(), TransportError> {
     let (light, beside) = (path(project, scene), full_path(project, scene));
     let Some(shipped) = shipped else {
         save(&light, full)?;
         return remove(&beside);
     };
-    if !kept {
+    let hash = |path: &Path| header(path).ok().map(|header| header.certificate.transport_hash);
+    if !keep || hash(&beside).as_ref() != Some(&full.certificate.transport_hash) {
         save(&beside, full)?;
     }
-    save(&light, shipped)?;
-    Ok(())
+    save(&light, shipped).map(|_| ())
 }
 
 fn remove(path: &Path) -> Result<(), TransportError> {
