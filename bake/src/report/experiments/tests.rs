@@ -58,10 +58,12 @@ fn setup(scene: Scene) -> Setup {
     assets.meshes.insert(MeshSource::Shape(Shape::Quad), Arc::new(shape::mesh(Shape::Quad)));
     let surface = surface::sanitise(&scene, &assets).unwrap();
     let bake = BakeSettings { rays: Some(RAYS), patch_length: Some(LENGTH), ..BakeSettings::default() };
-    let settings = Project { version: 1, default_scene: "corner".to_owned(), bake };
+    let settings = Project { default_scene: "corner".to_owned(), bake, ..Project::default() };
     let with = BakeWith { quality: Quality::Standard, rays: RAYS, length: LENGTH };
     let (transport, _) = make(&scene, &assets, &surface, &with, &Caches::none(), &Silent).unwrap();
-    let opened = Opened { settings, name: "corner".to_owned(), scene, assets, surface, warnings: Vec::new() };
+    let authored = scene.clone();
+    let (name, warnings) = ("corner".to_owned(), Vec::new());
+    let opened = Opened { settings, name, scene, authored, assets, surface, warnings };
     Setup { opened, transport, played: None }
 }
 
