@@ -78,7 +78,10 @@ pub fn make(
     let patches_towards = patches_towards_emitters(&tracer, &emitters)?;
     let receiver_hits = tracer.receiver_rows(with.rays, &caches.receiver)?;
     let receivers_towards = receivers_towards_emitters(&tracer, &emitters)?;
-    add_probes(&mut transport, &tracer, &emitters, surface.unit)?;
+    let probe_rows = probe_rows(&tracer, &emitters)?;
+    mark_probes(&mut transport.probes, &probe_rows);
+    transport.depths = depths(&tracer, &transport, surface.unit);
+    add_probe_rows(&mut transport.probe_from_patch, probe_rows);
 
     // Closed forms for pairs with nothing between them ([`crate::form_factors`]) would make the matrix several times as
     // right, and no irradiance better: the error of chance is averaged away. They cost a fifth to two fifths of a bake.
@@ -149,7 +152,10 @@ pub fn make_probes(
     let rays_of = |probes: usize| probes as u64 * u64::from(PROBE_RAYS);
     let rays_of_others = old.certificate.rays - rays_of(old.probes.len()).min(old.certificate.rays);
     let mut transport = Transport { probes: places.probes, probe_from_patch: Rows::default(), ..old };
-    add_probes(&mut transport, &tracer, &emitters, surface.unit)?;
+    let probe_rows = probe_rows(&tracer, &emitters)?;
+    mark_probes(&mut transport.probes, &probe_rows);
+    transport.depths = depths(&tracer, &transport, surface.unit);
+    add_probe_rows(&mut transport.probe_from_patch, probe_rows);
     let rays_traced = rays_of(transport.probes.len());
     let counted = counts(&transport);
     let mut certificate = Certificate {
@@ -181,20 +187,6 @@ fn emitters(scene: &Scene, transport: &Transport, rays: &RayScene) -> Emitters {
     let mut sampled = sampled(scene, transport);
     sampled.iter_mut().zip(&rays.covered).for_each(|(sampled, covered)| *sampled &= !covered);
     Emitters::choose(rays, &sampled)
-}
-
-/// Rows of a transport's light probes; which of them are used, and how far they see.
-fn add_probes(
-    transport: &mut Transport,
-    tracer: &Tracer,
-    emitters: &Emitters,
-    unit: f64,
-) -> Result<(), BakeError> {
-    let rows = probe_rows(tracer, emitters)?;
-    mark_probes(&mut transport.probes, &rows);
-    transport.depths = depths(tracer, transport, unit);
-    add_probe_rows(&mut transport.probe_from_patch, rows);
-    Ok(())
 }
 
 /// One an entity.
