@@ -8,7 +8,7 @@ use glam::{DAffine3, DVec3};
 
 use super::cubemaps::Cubemaps;
 use super::{PlayError, baked};
-use crate::render::{Eye, Renderer};
+use crate::render::{Asked, Eye, Renderer};
 use crate::scene::assets::{Assets, ClipSource};
 use crate::scene::import::load_assets;
 use crate::scene::motion::moved;
@@ -24,6 +24,8 @@ pub struct World {
     pub transport: Arc<Transport>,
     /// What is there of all that costs, what is left out, and why.
     pub needs: Needs,
+    /// What the author says of features.
+    pub features: Asked,
     /// What of the scene has no baked light, and why.
     pub left_out: Vec<String>,
     /// Albedo as authored, however long light bounces.
@@ -74,6 +76,7 @@ impl World {
             assets,
             transport,
             needs,
+            features: Asked::new(&settings.features),
             left_out,
             unlimited_gain,
             cubemaps,
