@@ -4,6 +4,7 @@ use std::path::Path;
 
 use bake::{BakeError, Baked, Settings, Silent, bake, check};
 use engine::play::World;
+use engine::render::{Eye, View};
 use engine::scene::file::{load_project, save_project};
 use engine::scene::{Changes, EntityId, Feature, Forced, LightKind, Scene, SkyKind};
 use engine::transport::solve::gather;
@@ -11,6 +12,7 @@ use engine::transport::solved::{Solved, Source, Spread};
 use engine::transport::{Transport, file};
 use glam::{DVec3, Vec3};
 use tests::enclosure::{self, Wall, room};
+use tests::picture::{Studio, gpu};
 use tests::project::TestProject;
 use tests::room::light;
 use tests::solved;
@@ -386,4 +388,59 @@ fn a_sky_that_turns_into_another_is_not_played_from_one_column() {
     let (world, told) = warnings(&project);
     assert_eq!(told.len(), 1, "{told:?}");
     assert!(world.transport.sky_patches > 256);
+}
+
+/// Radiance of a few views, lamp on, dimmed and off; and how many transport dispatches that took.
+fn pictures(project: &TestProject, transport: Transport) -> Option<(Vec<Vec3>, u32)> {
+    let mut scene = project.scene();
+    let eye = Eye::looking(DVec3::new(1.9, 1.7, 1.9), DVec3::new(0.5, 0.6, 0.4));
+    let mut studio = Studio::new(gpu()?, transport, eye, [64, 48]);
+    (studio.assets, _) = engine::scene::import::load_assets(project.path(), &scene).expect("assets");
+    let (mut all, mut dispatches) = (Vec::new(), 0);
+    for (on, intensity) in [(true, 3.0), (true, 1.2), (false, 3.0)] {
+        (lamp(&mut scene).on, lamp(&mut scene).intensity) = (on, intensity);
+        for view in [View::Composite, View::Direct, View::Indirect] {
+            dispatches += studio.draw(&scene, view).transport_dispatches;
+            studio.settle(&scene, view);
+            all.extend(studio.radiance());
+        }
+    }
+    Some((all, dispatches))
+}
+
+#[test]
+fn the_picture_from_the_light_file_is_that_of_the_full_transport_and_takes_no_dispatch() {
+    let project = still_room();
+    enclosure::change(&project, |scene| {
+        lamp(scene).changes = Changes::Intensity;
+        scene.materials[3].emission.color = Vec3::new(0.4, 0.3, 0.2);
+    });
+    let full = baked(&project).transport;
+    let Some((whole, solved_for)) = pictures(&project, full) else { return };
+    let Some((less, dispatches)) = pictures(&project, shipped(&project)) else { return };
+    assert!(solved_for > 0 && dispatches == 0, "{solved_for} {dispatches}");
+    // A light that is solved for frame by frame is within 1e-3 of its solution.
+    assert_same(&less, &whole, 1e-3);
+}
+
+#[test]
+fn the_picture_without_black_and_unlit_patches_and_with_one_column_of_sky_is_the_same() {
+    let mut walls = room(Vec3::ZERO, Vec3::splat(2.0));
+    walls.retain(|wall| wall.name != "ceiling");
+    walls.extend(room(Vec3::X * 3.0, Vec3::new(5.0, 2.0, 2.0)));
+    let project = project_of(&walls);
+    force(&project, &[(Feature::Matrix, Forced::In)]);
+    enclosure::change(&project, |scene| {
+        enclosure::under_a_sky(scene, 0.3);
+        scene.sky.changes = Changes::Intensity;
+        scene.materials[1].albedo.color = Vec3::ZERO;
+        scene.entities.push(light(LAMP.0, LightKind::Point, 3.0, DVec3::ONE, DVec3::ZERO));
+    });
+    let full = baked(&project).transport;
+    let light = shipped(&project);
+    assert_eq!(omitted(&light), [Feature::SkyPatches, Feature::BlackPatches, Feature::UnlitPatches]);
+    assert!(2 * light.patch_from_patch.entries() < full.patch_from_patch.entries());
+    let Some((whole, _)) = pictures(&project, full) else { return };
+    let Some((less, _)) = pictures(&project, light) else { return };
+    assert_same(&less, &whole, 1e-3);
 }
