@@ -32,3 +32,4 @@ pub mod solved;
 pub mod surfaces;
 pub mod systems;
 pub mod table;
+pub mod ten;
