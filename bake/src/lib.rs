@@ -21,6 +21,7 @@ mod query;
 mod rays;
 mod receiver;
 mod settings;
+mod ship;
 mod split;
 mod surface;
 
@@ -84,9 +85,11 @@ impl Watcher for Silent {}
 
 /// What a bake gives.
 pub struct Baked {
+    /// The full one.
     pub transport: Transport,
-    /// Where it was written.
+    /// What the player loads: less than the full transport where a scene does without some of it.
     pub file: std::path::PathBuf,
+    pub needs: Needs,
     pub warnings: Vec<Warning>,
     /// Nothing had changed: the file on disk was current and no ray was traced.
     pub unchanged: bool,
@@ -126,6 +129,8 @@ pub struct Plan {
     /// Estimated by tracing a few thousand rays.
     pub seconds: f64,
     pub bytes: u64,
+    /// Of what the player loads, by section of its file: where there is a bake of these settings.
+    pub sections: Vec<(String, u64)>,
     /// What is there, what is left out, and why.
     pub needs: Needs,
     /// The needs are those of the bake on disk, which is current; else they are about.
@@ -191,10 +196,10 @@ fn run(
         settings::settle(&opened.settings, &opened.name, settings, layout::area(&opened.surface))?;
     let inputs = inputs(&opened.scene, &opened.assets, &with, opened.forced());
     let key = transport_key(&inputs);
-    let file = file::path(project, &opened.name);
     watcher.advance(1, 0);
 
-    let on_disk = (!settings.force).then(|| file::load_uncertified(&file).ok()).flatten();
+    let load = || file::load_full_uncertified(project, &opened.name).ok();
+    let on_disk = (!settings.force).then(load).flatten();
     let unchanged = on_disk.as_ref().is_some_and(|transport| transport.certificate.key == key);
     let in_probes = |transport: &Transport| differ_in_probes(&transport.certificate.inputs, &inputs);
     let kept = match on_disk {
@@ -233,16 +238,19 @@ fn run(
     transport.certificate.cavity_gain = certificate.cavity_gain;
     let needs = needs_of_transport(&opened.authored, &opened.assets, &transport, &opened.settings.features);
     certificate.left_out = needs.left_out().chain(left_out_of_probes(&transport)).collect();
-    certificate.needs = Some(needs);
+    certificate.shipped_for = ship::made_for(&opened.authored, &opened.assets, &needs, unlimited);
+    certificate.needs = Some(needs.clone());
     if !unchanged {
         certificate.threads = rayon::current_num_threads();
         certificate.seconds = started.elapsed().as_secs_f64();
     }
-    if certificate != before {
-        // A new colour changes the gain, but no row: the file is written again all the same, in one piece.
+    // A new colour or light changes no row: what the player loads is written again, the full transport beside it not.
+    if certificate != before || !file::is_whole(project, &opened.name) {
         transport.certificate = certificate;
+        transport.dense = !needs.has(Feature::Columns);
         transport.certificate.bytes = file::length(&transport);
-        file::save(&file, &transport)?;
+        let shipped = ship::ship(&transport, opened.scenes(), &opened.assets, &needs, unlimited);
+        file::save_pair(project, &opened.name, &transport, shipped.as_ref(), unchanged)?;
     }
     if unchanged {
         transport.certificate.rays_traced = 0;
@@ -253,7 +261,8 @@ fn run(
         engine::scene::file::save_project(project, &opened.settings)?;
     }
     watcher.advance(1, 0);
-    Ok(Baked { transport, file, warnings: opened.warnings, unchanged })
+    let file = file::path(project, &opened.name);
+    Ok(Baked { transport, file, needs, warnings: opened.warnings, unchanged })
 }
 
 /// Everything is as it was but what is read by what moves.
@@ -287,6 +296,11 @@ impl Opened {
         let surface = surface::sanitise(&scene, &assets)?;
         warnings.extend(surface.warnings.iter().cloned());
         Ok(Self { settings, name, scene, authored, assets, surface, warnings })
+    }
+
+    /// As authored, and as it is baked.
+    fn scenes(&self) -> [&Scene; 2] {
+        [&self.authored, &self.scene]
     }
 
     /// What the author says of features.
@@ -359,7 +373,8 @@ pub fn plan(project: &Path, scene: Option<&str>, settings: &Settings) -> Result<
         + entries(transport.receivers.len() + 9 * transport.probes.len()) * short;
     let seconds_per_ray = per_ray / rayon::current_num_threads() as f64;
     let cost = Cost { seconds_per_ray, ..Cost::measured() };
-    let baked = if is_current { Some(file::load_uncertified(&file)?) } else { None };
+    let full = || file::load_full_uncertified(project, &opened.name);
+    let baked = if is_current { Some(full()?) } else { None };
     let needs = match &baked {
         Some(baked) => Look::at_transport(&opened.authored, &opened.assets, baked, opened.forced()),
         None => Look::at_scene(&opened.authored, &opened.assets, opened.forced()).sized(sizes(
@@ -383,6 +398,7 @@ pub fn plan(project: &Path, scene: Option<&str>, settings: &Settings) -> Result<
         rays_kept: kept,
         seconds: (rays - kept) as f64 * seconds_per_ray,
         bytes: file::length(transport) + bytes as u64,
+        sections: if is_current { file::sections(&file)? } else { Vec::new() },
         left_out: needs.left_out().collect(),
         exact: is_current,
         needs,
@@ -412,14 +428,15 @@ struct Solvable {
 impl Solvable {
     /// To be asked: its certificate holds, or it is forced.
     fn certified(project: &Path, scene: Option<&str>, settings: &Settings) -> Result<Self, BakeError> {
-        Self::open(project, scene, settings, if settings.force { file::load_uncertified } else { file::load })
+        let load = if settings.force { file::load_full_uncertified } else { file::load_full };
+        Self::open(project, scene, settings, load)
     }
 
     fn open(
         project: &Path,
         scene: Option<&str>,
         settings: &Settings,
-        load: fn(&Path) -> Result<Transport, TransportError>,
+        load: fn(&Path, &str) -> Result<Transport, TransportError>,
     ) -> Result<Self, BakeError> {
         let opened = Opened::open(project, scene)?;
         let file = file::path(project, &opened.name);
@@ -429,7 +446,7 @@ impl Solvable {
             let quality = quality.unwrap_or_else(|| opened.settings.bake.quality.to_string());
             return Err(BakeError::Missing { project: project_name, scene: opened.name, quality });
         }
-        let transport = load(&file)?;
+        let transport = load(project, &opened.name)?;
         let certificate = &transport.certificate;
         let stale = |why: &str| {
             Err(BakeError::Stale { project: project_name, scene: opened.name.clone(), why: why.to_owned() })
@@ -454,7 +471,8 @@ impl Solvable {
 /// The certificate of the bake on disk, every statement computed again from the stored arrays.
 pub fn check(project: &Path, scene: Option<&str>, settings: &Settings) -> Result<Certificate, BakeError> {
     let Solvable { opened, transport, .. } =
-        Solvable::open(project, scene, settings, file::load_uncertified)?;
+        Solvable::open(project, scene, settings, file::load_full_uncertified)?;
+    check_shipped(project, &opened)?;
     let mut certificate = transport.certificate.clone();
     let mut materials = materials::of_patches(&transport, &opened.scene, &opened.assets);
     let unlimited = opened.settings.bake.unlimited_gain;
@@ -468,6 +486,26 @@ pub fn check(project: &Path, scene: Option<&str>, settings: &Settings) -> Result
         )));
     }
     Ok(certificate)
+}
+
+/// What the player loads is of the bake beside it, and was made for this scene.
+fn check_shipped(project: &Path, opened: &Opened) -> Result<(), BakeError> {
+    let stale = |why: &str| BakeError::Stale {
+        project: project.display().to_string(),
+        scene: opened.name.clone(),
+        why: why.to_owned(),
+    };
+    if !file::is_whole(project, &opened.name) {
+        return Err(stale("its light file and the full transport beside it are of different bakes"));
+    }
+    let light = file::path(project, &opened.name);
+    let omissions = file::load_omissions(&light)?;
+    let changed = ship::changed(&omissions, &opened.authored, &opened.assets);
+    if changed.is_empty() {
+        return Ok(());
+    }
+    let names = file::names(&changed);
+    Err(stale(&format!("{} leaves out what the scene may need by now: {names}", light.display())))
 }
 
 /// Irradiance at points, in their order. A point too far from any front face is an error that names its

@@ -49,7 +49,8 @@ impl<'a> Statistics<'a> {
     /// frames, size, failed: null or what ended the run
     /// frame, cpu: { median_ms, p99_ms } by the clock, null where nothing was measured: from picture to picture,
     ///     and to prepare and send one
-    /// dispatches, products, captures, draws, shadow_draws, bound: one a frame; bound is null until it is known
+    /// dispatches, products, captures, draws, shadow_draws, render_passes, compute_passes, bound: one a frame; bound
+    ///     is null until it is known
     /// ```
     fn of_frames(&self, size: [u32; 2], failed: Option<String>) -> Map<String, Value> {
         let each = |value: fn(&Drawn) -> Value| self.frames.iter().map(value).collect::<Vec<_>>();
@@ -66,6 +67,8 @@ impl<'a> Statistics<'a> {
             "draws": each(|frame| json!(frame.draws)),
             "captures": each(|frame| json!(frame.captures)),
             "shadow_draws": each(|frame| json!(frame.shadow_draws)),
+            "render_passes": each(|frame| json!(frame.passes.render)),
+            "compute_passes": each(|frame| json!(frame.passes.compute)),
             "bound": each(|frame| json!(frame.bound)),
         }))
     }
@@ -76,6 +79,7 @@ impl<'a> Statistics<'a> {
 /// passes   { NAME: { median_ms, p99_ms } }
 /// patches, receivers, probes, sky_patches, rows, entries
 /// bytes    { KIND: bytes on the GPU }
+/// pipelines [ NAME ], in the order in which they were compiled
 /// needs    [ { feature, is_in, forced: null, "in" or "out", why, entities: [ id ],
 ///              saving: { file_bytes, gpu_bytes, milliseconds, seconds } } ]
 /// left_out [ what, and why ]
@@ -103,6 +107,7 @@ fn of_renderer(renderer: &Renderer, world: &World) -> Map<String, Value> {
         "rows": rows.iter().map(|rows| rows.len()).sum::<usize>(),
         "entries": rows.iter().map(|rows| rows.entries()).sum::<usize>(),
         "bytes": bytes,
+        "pipelines": renderer.gpu().pipelines(),
         "needs": world.needs.verdicts,
         "left_out": left_out,
     }))

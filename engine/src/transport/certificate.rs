@@ -31,8 +31,10 @@ pub struct Certificate {
     /// Of this run.
     pub seconds: f64,
     pub threads: usize,
-    /// Of everything in the file.
+    /// Of the full transport, as it would be stored.
     pub bytes: u64,
+    /// What the player's file was made for: what is needed, and all that leaving out the rest relies on.
+    pub shipped_for: String,
     /// max over patches of |sum - target| of the stored rows; target: 1 less sky and lost.
     pub row_sum_defect: f64,
     /// max over patches of the sum beyond its target; never above 0.

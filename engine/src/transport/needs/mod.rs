@@ -37,7 +37,7 @@ pub use crate::scene::{Feature, Forced};
 pub use as_baked::as_baked;
 pub use look::Look;
 pub use reflections::is_smooth;
-pub use relied_on::relied_on;
+pub use relied_on::{grounds, relied_on};
 pub use saving::{Cost, PROBE_RAYS, RowSizes, Sizes};
 pub use solver::SMALL;
 

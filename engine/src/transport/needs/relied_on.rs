@@ -16,6 +16,11 @@ use crate::scene::assets::Assets;
 use crate::scene::{Changes, Feature, Light, LightKind, Material, Scene, Sky, SkyKind, Texture};
 use crate::transport::key::of_picture;
 
+/// The same, short: what an omission carries.
+pub fn grounds(feature: Feature, scene: &Scene, assets: &Assets) -> String {
+    blake3::hash(relied_on(feature, scene, assets).as_bytes()).to_hex().to_string()
+}
+
 pub fn relied_on(feature: Feature, scene: &Scene, assets: &Assets) -> String {
     let forced = Default::default();
     let look = Look::at_scene(scene, assets, &forced);
