@@ -234,6 +234,8 @@ fn run(
     certificate.key = key;
     certificate.inputs = inputs;
     certificate.warnings = opened.warnings.iter().map(Warning::to_string).collect();
+    // How long light lasts says what solves it.
+    transport.certificate.cavity_gain = certificate.cavity_gain;
     let needs = needs_of_transport(&opened.authored, &opened.assets, &transport, &opened.settings.features);
     certificate.left_out = needs.left_out().chain(left_out_of_probes(&transport)).collect();
     certificate.shipped_for = ship::made_for(&opened.authored, &opened.assets, &needs, unlimited);
