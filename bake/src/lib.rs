@@ -8,6 +8,7 @@ mod certify;
 mod chart;
 mod cut;
 mod depth;
+mod directional;
 mod directions;
 mod emitter;
 mod gap;
@@ -37,6 +38,7 @@ use engine::scene::assets::Assets;
 use engine::scene::file::{Project, Quality, baked_dir, load_project, load_scene};
 use engine::scene::import::load_assets;
 use engine::scene::{Scene, SceneError, SkyKind, Warning};
+use engine::transport::directional::{AXES, any_directional};
 use engine::transport::file::TransportError;
 use engine::transport::key::{BakeWith, inputs, transport_key};
 use engine::transport::probe_field::ProbeField;
@@ -273,6 +275,9 @@ fn left_out(scene: &Scene) -> Vec<String> {
     if scene.entities.iter().all(|entity| entity.light_probes.is_none()) {
         left_out.push("light-probe rows: the scene has no light probes".to_owned());
     }
+    if !any_directional(scene) {
+        left_out.push("directional rows: no static surface has a normal map".to_owned());
+    }
     left_out
 }
 
@@ -306,13 +311,14 @@ pub fn plan(project: &Path, scene: Option<&str>, settings: &Settings) -> Result<
     let rows = transport.patches.len() + transport.receivers.len();
     let rays =
         rows as u64 * u64::from(with.rays) + transport.probes.len() as u64 * u64::from(pipeline::PROBE_RAYS);
+    let rays = rays + layout.directional as u64 * u64::from(with.rays);
     let kept = if is_current { rays } else { 0 };
     let (per_ray, per_row) = pipeline::measure(&layout, &opened.scene, &opened.assets, with.rays);
     // Entries of patches take eight bytes, others four where columns are few enough.
     let entries = |rows: usize| rows as f64 * per_row;
     let short = if transport.columns() <= packed::MOST_COLUMNS { 4.0 } else { 8.0 };
     let bytes = entries(transport.patches.len()) * 8.0
-        + entries(transport.receivers.len() + 9 * transport.probes.len()) * short;
+        + entries(transport.receivers.len() + AXES * layout.directional + 9 * transport.probes.len()) * short;
     Ok(Plan {
         scene: opened.name,
         quality: with.quality.to_string(),

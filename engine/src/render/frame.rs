@@ -114,7 +114,8 @@ pub struct FrameUniform {
     pub curve: u32,
     pub capture: u32,
     pub light_unit: f32,
-    pub padding: [u32; 2],
+    pub directional: u32,
+    pub padding: u32,
 }
 
 /// Read back by those who ask how a picture was exposed.
@@ -184,6 +185,7 @@ impl Renderer {
         let patch_rows = paged("patch", &transport.patch_from_patch)?;
         let read_rows = [
             paged("receiver", &transport.receiver_from_patch)?,
+            paged("directional", &transport.directional_from_patch)?,
             paged("probe", &transport.probe_from_patch)?,
         ];
         let spaces = Spaces::new(gpu_ref, &transport)?;
@@ -420,7 +422,8 @@ impl Renderer {
             curve: tonemap::curve_of(now.view, now.eye.tonemap),
             capture: 0,
             light_unit: self.sources.unit(),
-            padding: [0; 2],
+            directional: self.spaces.directional,
+            padding: 0,
         };
         gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
         uniform

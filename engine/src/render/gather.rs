@@ -1,4 +1,5 @@
-//! The gather: what arrives at receivers and light probes, from what is emitted and from what bounced.
+//! The gather: what arrives at receivers and light probes, from what is emitted and from what bounced; and what tilts it
+//! towards the normals of normal maps, where there are any ([`crate::transport::directional`]).
 
 use bytemuck::{Pod, Zeroable};
 
@@ -33,9 +34,12 @@ pub struct Gather {
     mean: wgpu::ComputePipeline,
     summed: Summed,
     receiver_rows: PagedRows,
+    directional_rows: PagedRows,
     probe_rows: PagedRows,
     /// By source.
     receivers: [wgpu::BindGroup; 2],
+    /// `None` where there are no directional rows.
+    directional: Option<[wgpu::BindGroup; 2]>,
     probes: [wgpu::BindGroup; 2],
     means: [wgpu::BindGroup; 2],
     mean_own: wgpu::BindGroup,
@@ -47,7 +51,7 @@ impl Gather {
         gpu: &Gpu,
         library: &mut Library,
         [frame_layout, page_layout]: [&wgpu::BindGroupLayout; 2],
-        [receiver_rows, probe_rows]: [PagedRows; 2],
+        [receiver_rows, directional_rows, probe_rows]: [PagedRows; 3],
         summed: Summed,
         spaces: &Spaces,
     ) -> Result<Self, GpuError> {
@@ -56,9 +60,15 @@ impl Gather {
         let mean_module = library.module(gpu, shaders::MEAN)?;
         let layout = pass::layout(gpu, "gather", compute, &[Binding::Read, Binding::Write]);
         let mean_layout = pass::layout(gpu, "mean", compute, &[Binding::Uniform]);
-        let groups = |from: [&wgpu::Buffer; 2], to: &[wgpu::Buffer; 2]| {
-            [0, 1].map(|i| pass::buffers(gpu, "gather", &layout, &[from[i], &to[i]]))
+        // From an element on.
+        let groups_from = |from: [&wgpu::Buffer; 2], to: &[wgpu::Buffer; 2], first: u32| {
+            let behind = |buffer| wgpu::BufferBinding { buffer, offset: u64::from(first) * 16, size: None };
+            [0, 1].map(|i| {
+                let resources = [from[i].as_entire_binding(), wgpu::BindingResource::Buffer(behind(&to[i]))];
+                pass::group(gpu, "gather", &layout, &resources)
+            })
         };
+        let groups = |from, to| groups_from(from, to, 0);
         let entry = match summed {
             Summed::ByThread => "gather",
             Summed::ByGroup => "gather_by_group",
@@ -81,17 +91,21 @@ impl Gather {
             mean: pass::compute(gpu, &mean_module, "mean", &[None, None, Some(&layout), Some(&mean_layout)]),
             summed,
             receivers: groups(sources, &spaces.receivers),
+            directional: (!directional_rows.is_empty())
+                .then(|| groups_from(sources, &spaces.receivers, spaces.directional)),
             probes: groups(sources, &spaces.probes),
             means: groups(spaces.receivers.each_ref(), &spaces.probes),
             mean_own: pass::buffers(gpu, "mean", &mean_layout, &[&uniform]),
             any_receivers: !receiver_rows.is_empty(),
             receiver_rows,
+            directional_rows,
             probe_rows,
         })
     }
 
     pub fn bytes(&self) -> u64 {
-        self.receiver_rows.bytes + self.probe_rows.bytes
+        let directional = if self.directional.is_some() { self.directional_rows.bytes } else { 0 };
+        self.receiver_rows.bytes + directional + self.probe_rows.bytes
     }
 
     /// `moving`: whether anything reads probes. Returns the dispatches.
@@ -115,6 +129,10 @@ impl Gather {
         pass.set_bind_group(0, frame, &[]);
         pass.set_bind_group(2, &self.receivers[which], &[]);
         let mut dispatches = self.receiver_rows.dispatch(&mut pass, self.summed);
+        if let Some(directional) = &self.directional {
+            pass.set_bind_group(2, &directional[which], &[]);
+            dispatches += self.directional_rows.dispatch(&mut pass, self.summed);
+        }
         if !moving {
             return dispatches;
         }

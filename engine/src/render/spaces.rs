@@ -8,6 +8,9 @@ use wgpu::BufferUsages as Usage;
 use crate::gpu::{Gpu, GpuError, buffer};
 use crate::transport::{Sample, Transport};
 
+/// A binding begins at a multiple of 256 bytes.
+const ALIGNED: u64 = 16;
+
 /// All buffers of light, and the patches that it lives on.
 pub struct Spaces {
     pub patch_count: u32,
@@ -15,6 +18,8 @@ pub struct Spaces {
     /// Of valid receivers.
     pub valid_receivers: u32,
     pub probe_count: u32,
+    /// Where directional terms begin behind the receivers; 0 where there are none.
+    pub directional: u32,
     pub patches: wgpu::Buffer,
     pub samples: wgpu::Buffer,
     /// By patch.
@@ -29,7 +34,8 @@ pub struct Spaces {
     pub next: wgpu::Buffer,
     /// By column: B without what is emitted; the sky's is 0.
     pub bounced: wgpu::Buffer,
-    /// By receiver: irradiance from `emitted`, and from `bounced`.
+    /// By receiver: irradiance from `emitted`, and from `bounced`. Behind them, from `directional` on, the directional
+    /// terms of the first of them, three each.
     pub receivers: [wgpu::Buffer; 2],
     /// Nine a probe, and nine more for where no probe is: likewise.
     pub probes: [wgpu::Buffer; 2],
@@ -40,12 +46,15 @@ impl Spaces {
     pub fn new(gpu: &Gpu, transport: &Transport) -> Result<Self, GpuError> {
         let (patches, receivers) = (transport.patches.len() as u64, transport.receivers.len() as u64);
         let (columns, probes) = (transport.columns() as u64, transport.probes.len() as u64);
+        let terms = transport.directional_from_patch.len() as u64;
+        let directional = if terms > 0 { receivers.next_multiple_of(ALIGNED) } else { 0 };
+        let receivers_and_terms = if terms > 0 { directional + terms } else { receivers };
         let samples = &transport.samples;
         let sizes = [
             ("patches", patches * 64),
             ("sky", columns * 16),
             ("samples", size_of::<Sample>() as u64 * samples.len() as u64),
-            ("receivers", receivers * 16),
+            ("receivers", receivers_and_terms * 16),
             ("probes", (probes + 1) * 144),
         ];
         for (what, bytes) in sizes {
@@ -67,12 +76,13 @@ impl Spaces {
             radiosity: light("radiosity", columns),
             next: light("next", patches),
             bounced: light("bounced", columns),
-            receivers: both("receivers", receivers),
+            directional: directional as u32,
+            receivers: both("receivers", receivers_and_terms),
             probes: both("probes", (probes + 1) * 9),
             bytes: sizes.iter().map(|size| size.1).sum::<u64>()
                 + patches * 48
                 + columns * 32
-                + receivers * 16
+                + receivers_and_terms * 16
                 + (probes + 1) * 144,
         })
     }

@@ -19,6 +19,8 @@ pub const VERSION: u32 = 1;
 /// Only where some probe does not see a neighbour; files of before they were known have none.
 const DEPTH_PROBES: &str = "probe_depths.probes";
 const DEPTHS: &str = "probe_depths";
+/// Only where a static surface has a normal map.
+const DIRECTIONAL: &str = "directional";
 
 /// Where a scene's light file is.
 pub fn path(project: &Path, scene: &str) -> PathBuf {
@@ -55,7 +57,7 @@ pub fn arrays(transport: &Transport) -> Vec<(&'static str, Cow<'_, [u8]>)> {
         ("probes", plain(&transport.probes)),
         ("sky", Cow::Owned(transport.sky_patches.to_le_bytes().to_vec())),
     ];
-    let rows = [
+    let mut rows = vec![
         (["patch.starts", "patch.columns", "patch.weights", "patch.packed"], &transport.patch_from_patch),
         (
             ["receiver.starts", "receiver.columns", "receiver.weights", "receiver.packed"],
@@ -63,6 +65,11 @@ pub fn arrays(transport: &Transport) -> Vec<(&'static str, Cow<'_, [u8]>)> {
         ),
         (["probe.starts", "probe.columns", "probe.weights", "probe.packed"], &transport.probe_from_patch),
     ];
+    if !transport.directional_from_patch.is_empty() {
+        let names =
+            ["directional.starts", "directional.columns", "directional.weights", "directional.packed"];
+        rows.push((names, &transport.directional_from_patch));
+    }
     for ([starts, columns, weights, packed], rows) in rows {
         arrays.push((starts, plain(&rows.starts)));
         match packed::pack_all(&rows.columns, &rows.weights) {
@@ -245,6 +252,7 @@ fn parse(bytes: &[u8]) -> Result<Transport, String> {
         patch_from_patch: sections.rows("patch")?,
         receiver_from_patch: sections.rows("receiver")?,
         probe_from_patch: sections.rows("probe")?,
+        directional_from_patch: sections.rows_where_there(DIRECTIONAL)?,
         certificate: header.certificate,
     })
 }
@@ -274,6 +282,12 @@ impl Sections<'_> {
     fn read_where_there<T: Pod>(&self, name: &str) -> Result<Vec<T>, String> {
         let is_there = self.sections.iter().any(|section| section.name == name);
         if is_there { self.read(name) } else { Ok(Vec::new()) }
+    }
+
+    fn rows_where_there(&self, name: &str) -> Result<Rows, String> {
+        let starts = format!("{name}.starts");
+        let is_there = self.sections.iter().any(|section| section.name == starts);
+        if is_there { self.rows(name) } else { Ok(Rows::default()) }
     }
 
     fn rows(&self, name: &str) -> Result<Rows, String> {
@@ -320,5 +334,28 @@ mod tests {
             length
         });
         assert!(lengths[0] + 4 * 4000 < lengths[1] + 256, "{lengths:?}");
+    }
+
+    #[test]
+    fn directional_rows_come_back_and_without_them_there_is_no_section() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("light");
+        let has_section = || {
+            let bytes = std::fs::read(&path).unwrap();
+            bytes.windows(DIRECTIONAL.len() + 1).any(|word| word == format!("{DIRECTIONAL}.").as_bytes())
+        };
+        let mut transport = transport(1.0 / 64.0);
+        save(&path, &transport).unwrap();
+        let without = transport.hash();
+        assert!(!has_section() && load(&path).unwrap().directional_from_patch.is_empty());
+        (0..6).for_each(|k| transport.directional_from_patch.push([(k, 0.25), (9, -0.5)]));
+        save(&path, &transport).unwrap();
+        let loaded = load(&path).unwrap();
+        assert!(has_section() && loaded.directional_from_patch == transport.directional_from_patch);
+        assert_eq!((loaded.directional_receivers(), loaded.hash()), (2, transport.hash()));
+        assert_ne!(transport.hash(), without, "the transport hash covers them");
+        transport.directional_from_patch.push([(0, 0.25)]);
+        save(&path, &transport).unwrap();
+        assert!(load(&path).unwrap_err().to_string().contains("directional rows"));
     }
 }
