@@ -83,7 +83,14 @@ pub fn tilted(irradiance: DVec3, terms: [DVec3; AXES], normal: DVec3, tilted: DV
 impl Transport {
     /// How many receivers have directional terms: the first ones.
     pub fn directional_receivers(&self) -> usize {
-        self.directional_from_patch.len() / AXES
+        self.directional_terms() / AXES
+    }
+
+    /// Rows of directional terms, or what light that was solved at the bake has in their place.
+    pub fn directional_terms(&self) -> usize {
+        let responses = self.solved.iter().flat_map(|solved| &solved.responses);
+        let solved = responses.flat_map(|response| &response.spread.directional).map(Vec::len).max();
+        self.directional_from_patch.len().max(solved.unwrap_or(0))
     }
 
     /// Whether normal maps tilt the light of a batch: all that its vertices blend has directional terms.

@@ -52,15 +52,30 @@ fn corner() -> Scene {
     Scene { entities, materials: vec![grey, lamp], ..Scene::default() }
 }
 
+/// A closed room of 2 m that reflects all but a fiftieth, and its lamp.
+fn white_room() -> Scene {
+    let mut scene = corner();
+    let quarter = std::f64::consts::FRAC_PI_2;
+    scene.materials[0].albedo.color = Vec3::splat(0.98);
+    scene.entities.extend([
+        square(5, 1, DVec3::new(0.0, 2.0, 0.0), DQuat::from_rotation_x(quarter), 2.0),
+        square(6, 1, DVec3::new(1.0, 1.0, 0.0), DQuat::from_rotation_y(-quarter), 2.0),
+        square(7, 1, DVec3::new(0.0, 1.0, 1.0), DQuat::from_rotation_y(2.0 * quarter), 2.0),
+    ]);
+    scene
+}
+
 fn setup(scene: Scene) -> Setup {
     let mut assets = Assets::default();
     assets.meshes.insert(MeshSource::Shape(Shape::Quad), Arc::new(shape::mesh(Shape::Quad)));
     let surface = surface::sanitise(&scene, &assets).unwrap();
     let bake = BakeSettings { rays: Some(RAYS), patch_length: Some(LENGTH), ..BakeSettings::default() };
-    let settings = Project { version: 1, default_scene: "corner".to_owned(), bake };
+    let settings = Project { default_scene: "corner".to_owned(), bake, ..Project::default() };
     let with = BakeWith { quality: Quality::Standard, rays: RAYS, length: LENGTH };
     let (transport, _) = make(&scene, &assets, &surface, &with, &Caches::none(), &Silent).unwrap();
-    let opened = Opened { settings, name: "corner".to_owned(), scene, assets, surface, warnings: Vec::new() };
+    let authored = scene.clone();
+    let (name, warnings) = ("corner".to_owned(), Vec::new());
+    let opened = Opened { settings, name, scene, authored, assets, surface, warnings };
     Setup { opened, transport, played: None }
 }
 
@@ -85,6 +100,8 @@ fn errors(measured: &Measured) -> Vec<(String, [f64; 4])> {
     let split = &measured.split;
     all.push(("total".to_owned(), numbers(&split.total)));
     all.push(("unexplained".to_owned(), [split.unexplained, split.reference_error, 0.0, 0.0]));
+    let seeds = &split.seeds;
+    all.push(("seeds".to_owned(), [seeds.missed, seeds.noise, seeds.spread, 0.0]));
     let floors = measured.diagrams.iter().flat_map(|diagram| &diagram.floors);
     all.extend(floors.map(|floor| (floor.name.clone(), [floor.y, 0.0, 0.0, 0.0])));
     all
@@ -141,6 +158,8 @@ fn a_lamp_in_a_corner_fills_all_diagrams_and_its_errors_fall() {
     assert!(named("discretisation").error.rms > 0.0 && named("form factors").left_out.is_none());
     assert!(named("GPU").left_out.is_some() && named("lag").left_out.is_some());
     assert!(measured.split.unexplained < 0.01, "{}", measured.split.unexplained);
+    let seeds = measured.split.seeds;
+    assert!(measured.split.adds_up() && seeds.missed > 0.0 && seeds.noise > 0.0, "{seeds:?}");
 }
 
 #[test]
@@ -162,6 +181,26 @@ fn light_that_the_chain_does_not_know_of_is_unexplained() {
     });
     assert!(unexplained[0] < 1e-9, "{unexplained:?}");
     assert!(unexplained[1] > 0.3, "{unexplained:?}");
+}
+
+#[test]
+fn paths_that_end_early_in_a_stiff_room_agree_with_paths_that_do_not_unless_their_end_is_wrong() {
+    let setup = setup(white_room());
+    let lit = Lit::new(&setup.opened, &setup.transport);
+    assert!(frame::largest_gain(&lit) > STIFF);
+    let points = points::choose(&setup.opened, 24).points;
+    let seen = Seen::new(&lit, lit.places(&points));
+    let budget = Budget::new(1e4);
+    let exactly = seen.exactly(&setup.opened, &budget, &Silent, &mut Vec::new()).unwrap().unwrap();
+    let traced = |factor: f64| {
+        let reflected = exactly.reflected.iter().map(|b| *b * factor).collect();
+        let tail = Tail::new(&setup.transport, reflected, truth::BOUNCES);
+        let tail = Some((tail, exactly.standard_error));
+        truth::trace(&setup.opened, &points, tail, 0.02, &budget, &Silent).unwrap()
+    };
+    let [right, wrong] = [1.0, 1.2].map(|factor| traced(factor).tail.unwrap());
+    assert!(right.holds() && right.standard_error < 0.02, "{right:?}");
+    assert!(!wrong.holds() && wrong.differs > 0.1, "{wrong:?}");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The path tracer's answer at the evaluation points, twice, with seeds of its own each time.
 //!
-//! Both halves take the same time; all errors are against their mean. What comes straight from punctual lights is taken
+//! Both halves take the same time; all errors are against their mean. In stiff rooms paths end early in the radiosity of the
+//! matrix reference ([`Tail`]); a third of the time goes into paths that do not, and they must agree on the mean. What comes straight from punctual lights is taken
 //! off again: a path tracer of the same triangles where nothing reflects, emits or shines from the sky says how much.
 
 use engine::scene::{Scene, SkyKind};
@@ -8,12 +9,17 @@ use glam::{DVec3, Vec3};
 
 use super::bakes::Quiet;
 use super::lit::field;
-use crate::reference::{Measured, PathTracer, Surfaces};
+use crate::reference::{Measured, PathTracer, Surfaces, Tail};
 use crate::report::Budget;
-use crate::report::model::Floor;
+use crate::report::model::{Floor, TailCheck};
 use crate::{BakeError, Opened, Point, Watcher};
 
-pub const SEEDS: [u64; 2] = [0x7a11_0001, 0x7a11_0002];
+/// Of both halves, and of what checks a tail.
+pub const SEEDS: [u64; 3] = [0x7a11_0001, 0x7a11_0002, 0x7a11_0003];
+/// The surface at which paths with a tail end: three before it are met afresh.
+pub const BOUNCES: u32 = 4;
+/// Of the time, for paths that check a tail.
+const FOR_ENDLESS: f64 = 0.33;
 
 /// Of what is taken off: what is left of it is nothing.
 const ROUNDING: f64 = 1e-9;
@@ -23,8 +29,11 @@ pub struct Truth {
     pub field: Vec<f64>,
     /// From either seed alone.
     pub halves: [Vec<f64>; 2],
-    /// rms over the mean.
+    /// Variance of what the halves differ by, as their replicates say.
+    pub apart: Vec<f64>,
+    /// rms over the mean; with a tail, what that brings along as well.
     pub standard_error: f64,
+    pub tail: Option<TailCheck>,
 }
 
 impl Truth {
@@ -37,38 +46,89 @@ impl Truth {
     }
 }
 
-/// Traces until the standard error, rms over the mean, is `fine_enough`, or the budget is spent.
+/// Traces until the standard error, rms over the mean, is `fine_enough`, or the budget is spent. With a tail for long paths
+/// and the error that it brings along (rms over the mean), it is checked by paths that end by lot alone.
 pub fn trace(
     opened: &Opened,
     points: &[Point],
+    tail: Option<(Tail, f64)>,
     fine_enough: f64,
     budget: &Budget,
     watcher: &dyn Watcher,
 ) -> Result<Truth, BakeError> {
-    watcher.stage("path tracer", 2);
-    let tracer = PathTracer::new(&opened.scene, &opened.assets, Surfaces::Diffuse)?;
+    watcher.stage("path tracer", 3);
+    let tracer = || PathTracer::new(&opened.scene, &opened.assets, Surfaces::Diffuse);
     let straight = PathTracer::new(&darkened(&opened.scene), &opened.assets, Surfaces::Diffuse)?;
     let straight = straight.irradiance(points, 1, SEEDS[0], &Quiet(watcher))?;
-    let mut halves: [Vec<f64>; 2] = Default::default();
-    let mut squares = 0.0;
-    for (k, seed) in SEEDS.into_iter().enumerate() {
-        let seconds = budget.left() / (2 - k) as f64;
+    let follow = |tracer: &PathTracer, seed: u64, seconds: f64| -> Result<Traced, BakeError> {
         let target = fine_enough * std::f64::consts::SQRT_2;
         let found = tracer.irradiance_until(points, target, seconds, seed, &Quiet(watcher))?;
+        watcher.advance(1, 0);
+        Ok(Traced::new(&found, &straight))
+    };
+    let Some((tail, of_tail)) = tail else {
+        let tracer = tracer()?;
+        let one = follow(&tracer, SEEDS[0], 0.5 * budget.left())?;
+        return Ok(Truth::of(one, follow(&tracer, SEEDS[1], budget.left())?));
+    };
+    let endless = follow(&tracer()?, SEEDS[2], FOR_ENDLESS * budget.left())?;
+    let tracer = tracer()?.with_tail(tail);
+    let one = follow(&tracer, SEEDS[0], 0.5 * budget.left())?;
+    let truth = Truth::of(one, follow(&tracer, SEEDS[1], budget.left())?);
+    let scale = mean(&truth.field);
+    let check = TailCheck {
+        bounces: BOUNCES,
+        differs: (scale - mean(&endless.field)) / scale,
+        standard_error: endless.error_of_mean() / scale,
+    };
+    let standard_error = truth.standard_error.hypot(of_tail);
+    Ok(Truth { tail: (scale > 0.0).then_some(check), standard_error, ..truth })
+}
+
+/// What one seed found, channel after channel: net of what comes straight from lights, and its variance.
+struct Traced {
+    field: Vec<f64>,
+    variance: Vec<f64>,
+}
+
+impl Traced {
+    fn new(found: &[Measured], straight: &[Measured]) -> Self {
         let net = |(found, straight): (&Measured, &Measured)| {
             let net = found.total() - straight.direct;
             DVec3::select(net.cmpgt(straight.direct * ROUNDING), net, DVec3::ZERO)
         };
-        halves[k] = field(found.iter().zip(&straight).map(net));
-        squares += found.iter().map(|point| point.standard_error.length_squared()).sum::<f64>();
-        watcher.advance(1, 0);
+        Self {
+            field: field(found.iter().zip(straight).map(net)),
+            variance: field(found.iter().map(|point| point.standard_error * point.standard_error)),
+        }
     }
-    let mean: Vec<f64> = halves[0].iter().zip(&halves[1]).map(|(a, b)| 0.5 * (a + b)).collect();
-    let scale = mean.iter().sum::<f64>() / mean.len().max(1) as f64;
-    // The variance of the mean of two is a quarter of the sum of theirs.
-    let rms = (0.25 * squares / mean.len().max(1) as f64).sqrt();
-    let standard_error = if scale > 0.0 { rms / scale } else { 0.0 };
-    Ok(Truth { field: mean, halves, standard_error })
+
+    /// Of the mean of the field: points are independent, the channels of one are not.
+    fn error_of_mean(&self) -> f64 {
+        let points = self.variance.len() / 3;
+        let of_point =
+            |i: usize| (0..3).map(|channel| self.variance[channel * points + i].sqrt()).sum::<f64>();
+        (0..points).map(|i| of_point(i).powi(2)).sum::<f64>().sqrt() / self.field.len().max(1) as f64
+    }
+}
+
+impl Truth {
+    fn of(one: Traced, other: Traced) -> Self {
+        let both = |a: &[f64], b: &[f64], share: f64| -> Vec<f64> {
+            a.iter().zip(b).map(|(a, b)| share * (a + b)).collect()
+        };
+        let field = both(&one.field, &other.field, 0.5);
+        let apart = both(&one.variance, &other.variance, 1.0);
+        let scale = mean(&field);
+        // The variance of the mean of two is a quarter of the sum of theirs.
+        let rms = (0.25 * mean(&apart)).sqrt();
+        let standard_error = if scale > 0.0 { rms / scale } else { 0.0 };
+        Self { field, halves: [one.field, other.field], apart, standard_error, tail: None }
+    }
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
 /// The same with nothing but its punctual lights.
