@@ -13,10 +13,12 @@ pub struct TestProject {
 }
 
 impl TestProject {
-    /// Of a scene that needs no files. Light probes are baked wherever there are some: tests read them where nothing
-    /// moves.
+    /// Of a scene that needs no files. All that a bake may leave out is in it: tests read light probes where nothing
+    /// moves, and rows where nothing shines.
     pub fn of(scene: &Scene) -> Self {
-        Self::forcing(scene, [(Feature::LightProbes, Forced::In)].into())
+        use Feature::{BlackPatches, LightProbes, Matrix, SkyPatches, UnlitPatches};
+        let baked = [LightProbes, SkyPatches, BlackPatches, UnlitPatches, Matrix];
+        Self::forcing(scene, baked.map(|feature| (feature, Forced::In)).into())
     }
 
     /// The same where the author says other things of features, or nothing.

@@ -22,14 +22,12 @@ mod replicates;
 mod sequence;
 mod solve;
 mod sources;
-mod tail;
 mod world;
 
 use glam::DVec3;
 
 pub use matrix::MatrixReference;
 pub use path::PathTracer;
-pub use tail::Tail;
 
 /// How surfaces reflect.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -17,7 +17,6 @@ use super::finish::{Arrival, Finish};
 use super::ggx::SplitSum;
 use super::sequence::Numbers;
 use super::sources::{Sources, Towards, weight};
-use super::tail::Tail;
 use super::world::{Ray, World};
 use crate::surface::{Surface, sanitise};
 use crate::{BakeError, Opened};
@@ -34,7 +33,6 @@ pub struct PathTracer {
     surfaces: Surfaces,
     split: SplitSum,
     roulette: bool,
-    tail: Option<Tail>,
 }
 
 /// Radiance along a ray [W/m2/sr].
@@ -68,17 +66,12 @@ impl PathTracer {
     fn of(scene: &Scene, assets: &Assets, surface: Surface, surfaces: Surfaces) -> Self {
         let world = World::new(scene, assets, surface);
         let sources = Sources::new(&world);
-        Self { world, sources, surfaces, split: SplitSum::new(), roulette: true, tail: None }
+        Self { world, sources, surfaces, split: SplitSum::new(), roulette: true }
     }
 
     /// The same without lots: paths end only when they carry next to nothing. For rooms that are not white.
     pub fn without_roulette(self) -> Self {
         Self { roulette: false, ..self }
-    }
-
-    /// The same with paths that end where a tail takes over; no lots are drawn before.
-    pub fn with_tail(self, tail: Tail) -> Self {
-        Self { roulette: false, tail: Some(tail), ..self }
     }
 
     /// Irradiance from one path [W/m2]: straight from emitters, sky and lights, and by way of surfaces.
@@ -102,10 +95,6 @@ impl PathTracer {
             let sum = if bounce == 1 { &mut arriving.emitted } else { &mut arriving.reflected };
             *sum += carried * emitted;
             let Some(arrival) = arrival else { break };
-            if let Some(tail) = self.tail.as_ref().filter(|tail| tail.bounces == bounce) {
-                arriving.reflected += carried * tail.radiance(&ray, self.world.origin());
-                break;
-            }
             let finish = Finish::at(&self.world, &arrival, self.surfaces, &self.split);
             if finish.is_black() {
                 break;

@@ -142,8 +142,6 @@ pub struct Split {
     /// rms of (sum of the parts' fields - the total's field) over the rms of the total's field.
     pub unexplained: f64,
     pub seeds: Seeds,
-    /// Where the reference's paths end early.
-    pub tail: Option<TailCheck>,
     /// Standard error of the reference, rms over its mean: differences below it say nothing.
     pub reference_error: f64,
 }
@@ -158,23 +156,6 @@ pub struct Seeds {
     pub noise: f64,
     /// One sigma of noise^2, relative: how far from it the square of what is missed may lie by chance.
     pub spread: f64,
-}
-
-/// Paths that end after so many bounces in the radiosity of the matrix reference, against paths that do not end: over all
-/// points, mean over mean.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct TailCheck {
-    pub bounces: u32,
-    pub differs: f64,
-    /// One sigma of it.
-    pub standard_error: f64,
-}
-
-impl TailCheck {
-    /// At three sigma.
-    pub fn holds(&self) -> bool {
-        self.differs.abs() <= 3.0 * self.standard_error
-    }
 }
 
 /// The parts add up to the total where they miss it by no more of its rms.
@@ -287,11 +268,5 @@ mod tests {
         assert!(!split(0.04, 0.7).adds_up());
         assert!((split(0.0, 0.7).seeds.beyond_noise() - 0.24_f64.sqrt()).abs() < 1e-12);
         assert_eq!(split(0.0, 0.3).seeds.beyond_noise(), 0.0);
-    }
-
-    #[test]
-    fn a_tail_holds_within_three_sigma() {
-        let check = |differs| TailCheck { bounces: 4, differs, standard_error: 0.01 }.holds();
-        assert!(check(-0.029) && !check(-0.031) && !check(f64::NAN));
     }
 }

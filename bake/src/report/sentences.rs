@@ -58,17 +58,7 @@ pub fn of_sum(split: &Split) -> Vec<String> {
     } else {
         format!("noise leaves {} unexplained", share(seeds.beyond_noise()))
     };
-    let tail = split.tail.map(|tail| {
-        format!(
-            "Paths of this stiff room end at the {}th surface in the radiosity of the matrix reference. Paths that do not \
-             end differ by {} in the mean over all points, where they are known to {}: {}.",
-            tail.bounces,
-            signed_share(tail.differs),
-            share(tail.standard_error),
-            if tail.holds() { "both agree" } else { "they do not agree" },
-        )
-    });
-    let sums = [
+    vec![
         format!(
             "{verdict}: the parts' fields, added point by point, miss the total's field by {} of its rms (at most {}). Both \
              end at the same path-traced field, which is known to {} of the mean: {} of the total is its noise.",
@@ -83,8 +73,7 @@ pub fn of_sum(split: &Split) -> Vec<String> {
             share(seeds.missed),
             share(seeds.noise),
         ),
-    ];
-    sums.into_iter().chain(tail).collect()
+    ]
 }
 
 /// How many curves reach their floors, and which do not.

@@ -217,7 +217,8 @@ fn form_factors(bakes: &Bakes, presets: &[Preset], shipped: Recipe, exactly: &Ex
         title: "Bake time and the error of form factors".to_owned(),
         about: format!(
             "What do more rays bring? Clean bakes with patches of {}, against the matrix reference on the same patches \
-             with {} rays a row, all of them others; both under the same direct light, solved exactly and seen at the same receivers.",
+             with {} rays a row, all of them others; both under the same direct light, solved exactly and seen at the same receivers. Where the cavity gain is large, most of it \
+             is one number, how bright the room is as a whole, and a single bake may be lucky.",
             metres(shipped.length),
             exactly.rays
         ),

@@ -27,8 +27,11 @@ const MOST: u32 = 4096;
 const ENOUGH: f64 = 1e-8;
 /// Half a unit in the last place of f32.
 pub const ROUNDING: f64 = 0.5 * f32::EPSILON as f64;
-/// Tolerances of the runtime's iteration.
+/// Tolerances of the runtime's iteration; the last is what it asks for at most: four units in the last place, times w.
 const TOLERANCES: [f32; 6] = [1e-1, 1e-2, TOLERANCE, 1e-4, 1e-5, 1e-6];
+const FINEST: f32 = 4.0 * f32::EPSILON;
+/// Products after which rounding keeps the bound above its tolerance for good.
+const PATIENCE: u32 = 256;
 
 /// What is solved, and its solution.
 pub struct Problem<'a> {
@@ -204,18 +207,19 @@ fn by_product(problem: &Problem, runtime: &Runtime) -> Series {
 
 /// The same until its bound is small enough, as the runtime asks.
 fn by_tolerance(problem: &Problem, runtime: &Runtime) -> Series {
-    let point = |&tolerance: &f32| {
+    let point = |tolerance: f32| {
         let mut taken = 0;
         let (b, times) = run(problem, runtime, |step, measured| {
             taken = step;
-            step >= MOST || (step > 0 && measured.bound(runtime.gain) <= tolerance)
+            step >= PATIENCE || (step > 0 && measured.bound(runtime.gain) <= tolerance)
         });
         let preset = (tolerance == TOLERANCE).then(|| "runtime".to_owned());
         let setting = format!("tolerance {tolerance:.0e}, {}", products(taken));
         Point { setting, error: problem.error(&b), preset, ..timed(&times) }
     };
-    let reachable = |tolerance: &&f32| **tolerance > 16.0 * ROUNDING as f32 * runtime.gain;
-    let points = TOLERANCES.iter().filter(reachable).map(point).collect();
+    let finest = FINEST * runtime.gain;
+    let coarser = TOLERANCES.into_iter().filter(|tolerance| *tolerance > 2.0 * finest);
+    let points = coarser.chain([finest]).map(point).collect();
     Series::new("runtime's, until its bound says so", points)
 }
 

@@ -226,12 +226,6 @@ impl<'a> Lit<'a> {
         probe_row(&tracer, &look.emitters, position, &look.sobol, look.rays, key)
     }
 
-    /// Whether some surface lets light through in places.
-    pub fn has_holes(&self) -> bool {
-        let holes = AlphaHoles::new(&self.transport.surface, &self.opened.scene, &self.opened.assets);
-        !holes.holed().is_empty()
-    }
-
     /// By patch: marked to be sampled towards.
     pub fn marked(&self) -> Vec<bool> {
         sampled(&self.opened.scene, self.transport)

@@ -30,8 +30,6 @@ pub struct Exactly {
     pub at_points: Vec<f64>,
     /// Of `at_receivers`: rms over the mean.
     pub standard_error: f64,
-    /// By patch: radiosity but for what is emitted [W/m2].
-    pub reflected: Vec<DVec3>,
     matrices: Vec<MatrixReference>,
 }
 
@@ -58,7 +56,6 @@ pub fn exactly(
     watcher.stage("matrix reference", 2);
     let mut matrices = Vec::new();
     let (mut at_receivers, mut at_points) = (Vec::new(), Vec::new());
-    let mut reflected = vec![DVec3::ZERO; transport.patches.len()];
     for seed in SEEDS {
         let within = Within { watcher: &Quiet(watcher), budget: *budget };
         let made = MatrixReference::new(&opened.scene, &opened.assets, transport, rays / 2, seed, &within);
@@ -73,8 +70,6 @@ pub fn exactly(
         let from_sky = matrix.gather(&lit.sky);
         let albedo: Vec<DVec3> = lit.albedo.iter().map(|albedo| albedo.as_dvec3()).collect();
         let b = lit.columns(&matrix.solve_with(&albedo, &lit.e_of(&from_sky, direct)));
-        let half = b.iter().zip(&lit.exitance).map(|(b, emitted)| 0.5 * (*b - *emitted));
-        reflected.iter_mut().zip(half).for_each(|(sum, half)| *sum += half);
         let (receiving, own) = seen(lit, rays / 2, seed, &b, &receivers, places);
         at_receivers.push(lit.blended(&receiving, places));
         at_points.push(own);
@@ -88,7 +83,7 @@ pub fn exactly(
     let apart = difference(&at_receivers[0], &at_receivers[1]);
     let standard_error = 0.5 * Error::of_field(&apart, &reference, &weights(&reference)).rms;
     let at_points = mean(&at_points);
-    Ok(Some(Exactly { rays, at_points, at_receivers: reference, standard_error, reflected, matrices }))
+    Ok(Some(Exactly { rays, at_points, at_receivers: reference, standard_error, matrices }))
 }
 
 /// Irradiance of all receivers that are read (others 0), and at the places themselves.

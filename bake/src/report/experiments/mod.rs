@@ -41,7 +41,6 @@ use super::budget::Within;
 use super::model::{Advice, Diagram, Error, Split};
 use super::player::{GpuLight, Played};
 use crate::query::Place;
-use crate::reference::Tail;
 use crate::{BakeError, Opened, Point, Watcher};
 
 /// The scene, opened, with the bake that the project ships, and what the player said of it.
@@ -85,6 +84,7 @@ const FOR_OTHERS: f64 = 0.5;
 /// Shares of what is left of that, in the order of their turns.
 const FOR_MATRIX: f64 = 0.4;
 const FOR_TRUTH: f64 = 0.5;
+const FOR_STIFF_TRUTH: f64 = 0.65;
 const FOR_LAG: f64 = 0.35;
 const FOR_FRAME: f64 = 0.35;
 const FOR_BYTES: f64 = 0.5;
@@ -115,8 +115,8 @@ fn run(
     let points = points_of(opened, count, notes);
     let seen = Seen::new(&lit, lit.places(&points));
     let exactly = seen.exactly(opened, &others.part(FOR_MATRIX), watcher, notes)?;
-    let tail = exactly.as_ref().filter(|_| stiff && !lit.has_holes()).map(|exactly| seen.tail(exactly));
-    let truth = truth::trace(opened, &points, tail, effort.reference, &others.part(FOR_TRUTH), watcher)?;
+    let for_truth = others.part(if stiff { FOR_STIFF_TRUTH } else { FOR_TRUTH });
+    let truth = truth::trace(opened, &points, effort.reference, &for_truth, watcher)?;
     if truth.is_dark() {
         notes.push("no light reaches any surface: only lag was measured, by lamps of its own".to_owned());
         measured.diagrams = lag::diagrams(&lit, &others.part(FOR_LAG), watcher, notes)?;
@@ -221,12 +221,6 @@ impl<'a> Seen<'a> {
             return Ok(None);
         }
         exactly(opened, self.lit, &self.direct_exactly, &self.places, budget, watcher, notes)
-    }
-
-    /// Where the reference's paths end, and its error.
-    fn tail(&self, exactly: &Exactly) -> (Tail, f64) {
-        let tail = Tail::new(self.lit.transport, exactly.reflected.clone(), truth::BOUNCES);
-        (tail, exactly.standard_error)
     }
 
     fn frame(

@@ -60,7 +60,6 @@ impl Chain<'_> {
             about: self.about(),
             unexplained: missing(&sum, &total),
             seeds: self.seeds(&sum, &shown, &total),
-            tail: self.truth.tail,
             parts,
             total: self.error(&total),
             reference_error: self.truth.standard_error,

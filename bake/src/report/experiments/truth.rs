@@ -1,7 +1,6 @@
 //! The path tracer's answer at the evaluation points, twice, with seeds of its own each time.
 //!
-//! Both halves take the same time; all errors are against their mean. In stiff rooms paths end early in the radiosity of the
-//! matrix reference ([`Tail`]); a third of the time goes into paths that do not, and they must agree on the mean. What comes straight from punctual lights is taken
+//! Both halves take the same time; all errors are against their mean. What comes straight from punctual lights is taken
 //! off again: a path tracer of the same triangles where nothing reflects, emits or shines from the sky says how much.
 
 use engine::scene::{Scene, SkyKind};
@@ -9,17 +8,12 @@ use glam::{DVec3, Vec3};
 
 use super::bakes::Quiet;
 use super::lit::field;
-use crate::reference::{Measured, PathTracer, Surfaces, Tail};
+use crate::reference::{Measured, PathTracer, Surfaces};
 use crate::report::Budget;
-use crate::report::model::{Floor, TailCheck};
+use crate::report::model::Floor;
 use crate::{BakeError, Opened, Point, Watcher};
 
-/// Of both halves, and of what checks a tail.
-pub const SEEDS: [u64; 3] = [0x7a11_0001, 0x7a11_0002, 0x7a11_0003];
-/// The surface at which paths with a tail end: three before it are met afresh.
-pub const BOUNCES: u32 = 4;
-/// Of the time, for paths that check a tail.
-const FOR_ENDLESS: f64 = 0.33;
+pub const SEEDS: [u64; 2] = [0x7a11_0001, 0x7a11_0002];
 
 /// Of what is taken off: what is left of it is nothing.
 const ROUNDING: f64 = 1e-9;
@@ -31,9 +25,8 @@ pub struct Truth {
     pub halves: [Vec<f64>; 2],
     /// Variance of what the halves differ by, as their replicates say.
     pub apart: Vec<f64>,
-    /// rms over the mean; with a tail, what that brings along as well.
+    /// rms over the mean.
     pub standard_error: f64,
-    pub tail: Option<TailCheck>,
 }
 
 impl Truth {
@@ -46,43 +39,26 @@ impl Truth {
     }
 }
 
-/// Traces until the standard error, rms over the mean, is `fine_enough`, or the budget is spent. With a tail for long paths
-/// and the error that it brings along (rms over the mean), it is checked by paths that end by lot alone.
+/// Traces until the standard error, rms over the mean, is `fine_enough`, or the budget is spent.
 pub fn trace(
     opened: &Opened,
     points: &[Point],
-    tail: Option<(Tail, f64)>,
     fine_enough: f64,
     budget: &Budget,
     watcher: &dyn Watcher,
 ) -> Result<Truth, BakeError> {
-    watcher.stage("path tracer", 3);
-    let tracer = || PathTracer::new(&opened.scene, &opened.assets, Surfaces::Diffuse);
+    watcher.stage("path tracer", 2);
+    let tracer = PathTracer::new(&opened.scene, &opened.assets, Surfaces::Diffuse)?;
     let straight = PathTracer::new(&darkened(&opened.scene), &opened.assets, Surfaces::Diffuse)?;
     let straight = straight.irradiance(points, 1, SEEDS[0], &Quiet(watcher))?;
-    let follow = |tracer: &PathTracer, seed: u64, seconds: f64| -> Result<Traced, BakeError> {
-        let target = fine_enough * std::f64::consts::SQRT_2;
+    let target = fine_enough * std::f64::consts::SQRT_2;
+    let follow = |seed: u64, seconds: f64| -> Result<Traced, BakeError> {
         let found = tracer.irradiance_until(points, target, seconds, seed, &Quiet(watcher))?;
         watcher.advance(1, 0);
         Ok(Traced::new(&found, &straight))
     };
-    let Some((tail, of_tail)) = tail else {
-        let tracer = tracer()?;
-        let one = follow(&tracer, SEEDS[0], 0.5 * budget.left())?;
-        return Ok(Truth::of(one, follow(&tracer, SEEDS[1], budget.left())?));
-    };
-    let endless = follow(&tracer()?, SEEDS[2], FOR_ENDLESS * budget.left())?;
-    let tracer = tracer()?.with_tail(tail);
-    let one = follow(&tracer, SEEDS[0], 0.5 * budget.left())?;
-    let truth = Truth::of(one, follow(&tracer, SEEDS[1], budget.left())?);
-    let scale = mean(&truth.field);
-    let check = TailCheck {
-        bounces: BOUNCES,
-        differs: (scale - mean(&endless.field)) / scale,
-        standard_error: endless.error_of_mean() / scale,
-    };
-    let standard_error = truth.standard_error.hypot(of_tail);
-    Ok(Truth { tail: (scale > 0.0).then_some(check), standard_error, ..truth })
+    let one = follow(SEEDS[0], 0.5 * budget.left())?;
+    Ok(Truth::of(one, follow(SEEDS[1], budget.left())?))
 }
 
 /// What one seed found, channel after channel: net of what comes straight from lights, and its variance.
@@ -102,14 +78,6 @@ impl Traced {
             variance: field(found.iter().map(|point| point.standard_error * point.standard_error)),
         }
     }
-
-    /// Of the mean of the field: points are independent, the channels of one are not.
-    fn error_of_mean(&self) -> f64 {
-        let points = self.variance.len() / 3;
-        let of_point =
-            |i: usize| (0..3).map(|channel| self.variance[channel * points + i].sqrt()).sum::<f64>();
-        (0..points).map(|i| of_point(i).powi(2)).sum::<f64>().sqrt() / self.field.len().max(1) as f64
-    }
 }
 
 impl Truth {
@@ -123,7 +91,7 @@ impl Truth {
         // The variance of the mean of two is a quarter of the sum of theirs.
         let rms = (0.25 * mean(&apart)).sqrt();
         let standard_error = if scale > 0.0 { rms / scale } else { 0.0 };
-        Self { field, halves: [one.field, other.field], apart, standard_error, tail: None }
+        Self { field, halves: [one.field, other.field], apart, standard_error }
     }
 }
 

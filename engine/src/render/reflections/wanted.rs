@@ -53,7 +53,7 @@ fn read_by(draws: &[&Draw], probes: &[Wanted<'_>], now: &Now<'_>, origin: DVec3)
     if draws.iter().any(|draw| draw.mesh.is_some()) {
         return vec![true; probes.len()];
     }
-    let ranked = Ranked::new(probes.iter().map(|probe| (probe.entity, probe.influence.clone())).collect());
+    let ranked = Ranked::new(probes.iter().map(|probe| (probe.entity, probe.influence)).collect());
     let usable = vec![true; probes.len()];
     let mut read = vec![false; probes.len()];
     for draw in draws {
