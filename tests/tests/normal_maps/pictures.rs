@@ -5,10 +5,12 @@ use std::f64::consts::PI;
 use engine::gpu::{Gpu, buffer};
 use engine::render::rows::Summed;
 use engine::render::{Eye, Settings, View};
+use engine::scene::assets::Assets;
+use engine::scene::import::load_assets;
 use engine::scene::shape::Shape;
-use engine::scene::{Entity, EntityId, LightProbeGroup, MaterialId, Scene, Transform};
+use engine::scene::{Changes, Entity, EntityId, LightProbeGroup, MaterialId, Scene, Transform};
 use engine::transport::directional::tilted;
-use engine::transport::{Transport, sh};
+use engine::transport::{Transport, file, sh};
 use glam::{DVec3, Vec3, Vec4};
 use tests::bumps::{self, BEHIND, FLOOR, as_stored, bumps, paint, room as walls, wear};
 use tests::picture::{Studio, gpu};
@@ -27,10 +29,14 @@ fn solved(project: &TestProject) -> Solved {
 }
 
 fn studio(gpu: Gpu, lit: &Solved, summed: Option<Summed>) -> Studio {
+    studio_of(gpu, lit.transport.clone(), &lit.assets, summed)
+}
+
+fn studio_of(gpu: Gpu, transport: Transport, assets: &Assets, summed: Option<Summed>) -> Studio {
     let eye = Eye::looking(EYE, POINT);
     let settings = Settings { samples: Some(1), summed, ..Settings::default() };
-    let mut studio = Studio::with(gpu, lit.transport.clone(), eye, [SIZE; 2], settings);
-    studio.assets = lit.assets.clone();
+    let mut studio = Studio::with(gpu, transport, eye, [SIZE; 2], settings);
+    studio.assets = assets.clone();
     studio
 }
 
@@ -167,6 +173,31 @@ fn without_normal_maps_nothing_is_held_or_dispatched_for_them() {
     let begin = u64::from(with.3);
     assert_eq!(with.1[1] - without.1[1], 2 * 16 * (begin + terms - bare.transport.receivers.len() as u64));
     assert!(with.1[0] > without.1[0]);
+}
+
+#[test]
+fn light_that_was_solved_at_the_bake_is_tilted_alike() {
+    let project = walls();
+    let map = paint(project.path(), "assets/bumps.png", 64, bumps);
+    let mut scene = wear(&project, BEHIND, map);
+    for material in &mut scene.materials {
+        (material.albedo.changes, material.emission.changes) = (Changes::Never, Changes::Never);
+    }
+    project.save(&scene);
+    let shipped = lit::baked(&project, &lit::settings(0.2, 512));
+    assert!(shipped.solved.is_some() && shipped.directional_from_patch.is_empty());
+    let full = file::load_full(project.path(), "main").unwrap();
+    assert_eq!(shipped.directional_receivers(), full.directional_receivers());
+    let (assets, _) = load_assets(project.path(), &scene).unwrap();
+    let lit = Solved::with(scene, assets, full);
+    let pictures = [lit.transport.clone(), shipped].map(|transport| {
+        let mut studio = studio_of(gpu()?, transport, &lit.assets, None);
+        studio.settle(&lit.scene, View::Indirect);
+        Some(studio.radiance())
+    });
+    let [Some(full), Some(shipped)] = pictures else { return };
+    let worst = full.iter().zip(&shipped).map(|(a, b)| (a.x - b.x).abs() / a.x.max(1e-4)).fold(0.0, f32::max);
+    assert!(worst < 3e-3, "{worst}");
 }
 
 #[test]
