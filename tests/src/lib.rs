@@ -20,6 +20,7 @@ pub fn shared() -> Option<PathBuf> {
     None
 }
 
+pub mod bumps;
 pub mod closed_forms;
 pub mod enclosure;
 pub mod lit;

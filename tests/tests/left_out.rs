@@ -262,6 +262,7 @@ fn solved(studio: &Studio, transport: &Transport) -> Transport {
         radiosity: read(&spaces.radiosity, transport.patches.len()),
         receivers: both(&spaces.receivers, transport.receivers.len()),
         probes: both(&spaces.probes, transport.probes.len() * 9),
+        ..Spread::default()
     };
     let mut without = transport.clone();
     without.samples.clear();
