@@ -93,7 +93,8 @@ fn room(wall: Vec3, block: Vec3) -> Builder {
     built.material("wall", wall);
     built.material("block", block);
     built.room("room", at(0.0, 1.5, 0.0), at(4.0, 3.0, 4.0), 0);
-    built.mesh("block", Shape::Cube, placed(at(0.6, 0.5, -0.5), 1.0), 1);
+    // Off the floor, so that light comes to all of it.
+    built.mesh("block", Shape::Cube, placed(at(0.6, 0.8, -0.5), 1.0), 1);
     built.camera(at(-1.7, 1.8, 1.7), at(0.3, 0.9, -0.4));
     built.probes();
     built.reflection_probe();
@@ -144,8 +145,10 @@ pub fn grey() -> Scene {
     let mut built = room(Vec3::splat(0.7), Vec3::splat(0.3));
     built.scene.materials.iter_mut().for_each(|material| material.albedo.changes = Changes::Never);
     built.scene.materials.iter_mut().for_each(|material| material.emission.changes = Changes::Never);
-    // Its brightness alone is free: one response, in one channel.
-    built.light("lamp", at(-0.8, 2.2, 0.3), Changes::Intensity);
+    // It goes to and fro, white as it is: a matrix, in one channel.
+    let points = vec![at(-1.5, 2.2, 0.3), at(1.2, 2.4, 0.9)];
+    let lamp = built.light("lamp", points[0], Changes::Intensity);
+    lamp.motion = Some(Motion::PingPong { points, seconds: 4.0, look: false });
     built.scene
 }
 

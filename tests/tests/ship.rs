@@ -172,7 +172,7 @@ fn a_lamp_of_intensity_is_one_response_and_follows_every_switch() {
 }
 
 #[test]
-fn a_sky_of_intensity_and_probes_are_in_the_responses() {
+fn a_sky_of_intensity_is_one_response() {
     let mut walls = room(Vec3::ZERO, Vec3::splat(2.0));
     walls.retain(|wall| wall.name != "ceiling");
     let project = project_of(&walls);

@@ -46,6 +46,15 @@ impl Played {
         self.sections.iter().filter(|(name, _)| name.starts_with(start)).map(|(_, bytes)| bytes).sum()
     }
 
+    /// For whoever looks for what went wrong.
+    pub fn told(&self) -> String {
+        let Self { sections, bytes, pipelines, moving, steady, captures, sky_patches, .. } = self;
+        format!(
+            "{sections:?}\n{bytes:?}\n{pipelines:?}\n{moving:?}\n{steady:?}\n{captures} captures, {sky_patches} sky \
+             patches"
+        )
+    }
+
     pub fn compiled(&self, word: &str) -> bool {
         self.pipelines.iter().any(|name| name.contains(word))
     }

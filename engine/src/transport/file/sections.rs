@@ -206,7 +206,7 @@ impl Sections<'_> {
 
     fn dense_rows(&self, columns: usize) -> Result<Rows, String> {
         let weights: Vec<f32> = self.read(DENSE)?;
-        if columns == 0 || weights.len() % columns != 0 {
+        if columns == 0 || !weights.len().is_multiple_of(columns) {
             return Err(format!("section `{DENSE}` has {} weights in {columns} columns", weights.len()));
         }
         let mut rows = Rows::default();

@@ -88,7 +88,7 @@ mod tests {
     fn without_a_sky_there_are_no_sky_patches() {
         assert_eq!(found(SkyKind::None, Changes::Anything, None), [false, false]);
         assert_eq!(found(gradient(), Changes::Never, None), [true, true]);
-        assert_eq!(found(gradient(), Changes::Never, Some(Forced::Out))[1], false);
+        assert!(!found(gradient(), Changes::Never, Some(Forced::Out))[1]);
     }
 
     #[test]

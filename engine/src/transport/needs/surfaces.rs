@@ -38,9 +38,12 @@ pub fn holes(look: &Look<'_>) -> Finding {
     Finding::needed(format!("{names} lets light through"), ids)
 }
 
+/// Does a material ask for a variant?
+type Asks = fn(&Material) -> bool;
+
 /// A material asks for more than an opaque, lit surface without a normal map.
 pub fn material_variants(look: &Look<'_>) -> Finding {
-    let variants: [(&str, fn(&Material) -> bool); 4] = [
+    let variants: [(&str, Asks); 4] = [
         ("normal maps", |material| material.normal_texture.is_some()),
         ("holes", |material| matches!(material.alpha, Alpha::Mask { .. })),
         ("blending", |material| material.alpha == Alpha::Blend),
