@@ -62,12 +62,7 @@ fn edit(document: &mut Document, (kind, a, b, x): Choice) -> Edit {
         11 => tree::reparent(document.indexed(), &[one], None, Some(other))
             .map_or(Edit::Set(vec![]), |made| made.0),
         12 if document.scene().entities.len() < 60 => {
-            let first = document.new_entity_id().0 + 1000 * a;
-            let mut next = first;
-            let mut new_id = || {
-                next += 1;
-                EntityId(next)
-            };
+            let mut new_id = document.id_giver();
             copies::duplicate(document.indexed(), &[one, other], &mut new_id)
         }
         13 => Edit::Sky(Box::new(if b % 2 > 0 { primitives::day() } else { Default::default() })),
@@ -113,7 +108,7 @@ fn document(folder: &Path) -> Document {
 
 #[test]
 fn five_hundred_random_edits_undone_give_the_same_file_and_redone_the_same_again() {
-    runner(12)
+    runner(3)
         .run(&choices(500), |choices| {
             let folder = tempfile::tempdir().unwrap();
             let mut document = document(folder.path());
@@ -246,7 +241,7 @@ fn a_step_in_a_scene_of_five_thousand_holds_what_it_changed_and_no_more() {
     assert!(
         step(&|_| Edit::Set(all.iter().map(|id| (*id, Field::Hidden(true))).collect())) < scene_bytes / 10
     );
-    assert_eq!(size_of::<Edit>().next_power_of_two(), 64);
+    assert!(size_of::<Edit>() <= 64);
     assert!(size_of::<Field>() <= 40);
 }
 
