@@ -4,7 +4,6 @@
 pub mod density;
 mod progress;
 
-use std::path::Path;
 use std::sync::Arc;
 use std::thread::JoinHandle;
 
@@ -37,7 +36,9 @@ pub enum Badge {
 pub struct Baked {
     pub transport: Arc<Transport>,
     pub warnings: Vec<Warning>,
-    /// The document's revision that it was made of or compared with, and what it differed by.
+    /// The state of the document that it was made of or found with.
+    state: Option<u64>,
+    /// The document's revision that it was compared with, and what it differed by.
     revision: u64,
     differs: Difference,
 }
@@ -91,11 +92,12 @@ impl Baking {
         let settings = Settings { threads: settings.threads.or(Some(threads)), ..settings };
         let meter = Arc::new(Meter::default());
         let (project, name) = (document.project().to_owned(), document.name().to_owned());
-        let (scene, revision, watcher) = (document.scene().clone(), document.revision(), meter.clone());
+        let (scene, watcher) = (document.scene().clone(), meter.clone());
+        let (state, revision) = (document.state(), document.revision());
         let work = move || {
             let baked = bake::bake_scene(&project, &name, scene, &settings, &*watcher)?;
             let (transport, differs) = (Arc::new(baked.transport), Difference::default());
-            Ok(Baked { transport, warnings: baked.warnings, revision, differs })
+            Ok(Baked { transport, warnings: baked.warnings, state, revision, differs })
         };
         let job = Job::start("bake", work).map_err(|error| format!("the bake cannot start: {error}"))?;
         self.bake = Some((job, meter));
@@ -140,8 +142,8 @@ impl Baking {
         match document.stale_since(shown.revision) {
             Stale::Transport => Badge::Stale(String::new()),
             _ if !shown.differs.is_empty() => Badge::Stale(shown.differs.to_string()),
-            Stale::Light => Badge::LightOnly,
-            Stale::Nothing => Badge::Current,
+            _ if shown.state.is_some() && shown.state == document.state() => Badge::Current,
+            _ => Badge::LightOnly,
         }
     }
 
@@ -169,22 +171,17 @@ impl Baking {
     }
 }
 
-/// The bake that lies on disk, whatever of it is stale; none is none. It reads the whole file: call it from where scenes
-/// are opened, not from a picture. `revision`: the document's whose scene this is.
-pub fn load(
-    project: &Path,
-    name: &str,
-    scene: &Scene,
-    assets: &Assets,
-    revision: u64,
-) -> Result<Option<Baked>, String> {
-    let path = file::path(project, name);
+/// The bake of a document that lies on disk, whatever of it is stale; none is none. It reads the whole file: call it from
+/// where scenes are opened, not from a picture.
+pub fn load(document: &Document, assets: &Assets) -> Result<Option<Baked>, String> {
+    let path = file::path(document.project(), document.name());
     if !path.is_file() {
         return Ok(None);
     }
     let transport = file::load(&path).map_err(|error| bake::chain::told(&error))?;
-    let differs = difference(&transport.certificate, scene, assets);
-    Ok(Some(Baked { transport: Arc::new(transport), warnings: Vec::new(), revision, differs }))
+    let differs = difference(&transport.certificate, document.scene(), assets);
+    let (state, revision) = (document.state(), document.revision());
+    Ok(Some(Baked { transport: Arc::new(transport), warnings: Vec::new(), state, revision, differs }))
 }
 
 /// Between what was baked and a scene.
