@@ -1,12 +1,32 @@
 // Surfaces: direct light from punctual lights with shadows, and what receivers (or light probes, for what
 // moves) say of the rest. Lambert for diffuse light, so that pictures agree with the transport to the last
 // digit; GGX (Walter et al. 2007, height-correlated Smith by Heitz 2014) with Schlick's Fresnel on top.
+//
+// What a scene does without is not even compiled. Defined are NORMAL_MAP, MASK, BLEND and UNLIT where the material is of
+// that kind, LIGHTS where punctual lights shine, CUBEMAPS where there are any.
 #import hohlraum::frame::{frame, to_eye, drawn, COMPOSITE, DIRECT, INDIRECT, REFLECTION, ALBEDO, NORMAL, PROBES}
 #import hohlraum::scene::mesh::{Still, Moving, moved, moved_normal, moved_tangent}
-#import hohlraum::scene::material::{material, base_color, metal, emission_at, bump, is, mapped}
-#import hohlraum::scene::material::{MASK, BLEND, UNLIT, DOUBLE_SIDED}
+#import hohlraum::scene::material::{material, base_color, metal, emission_at, is}
+#ifdef MASK
+#import hohlraum::scene::material::MASKED
+#endif
+#ifdef BLEND
+#import hohlraum::scene::material::BLENDED
+#endif
+#ifdef UNLIT
+#import hohlraum::scene::material::SHINING
+#endif
+#ifdef NORMAL_MAP
+#import hohlraum::scene::material::{bump, mapped}
+#endif
+#ifdef LIGHTS
+#import hohlraum::scene::material::DOUBLE_SIDED
 #import hohlraum::scene::light::{lights_at, light_of, arrival, visible_in_view}
-#import hohlraum::scene::reflection::{around, reflectance, use_of}
+#endif
+#ifdef CUBEMAPS
+#import hohlraum::scene::reflection::around
+#endif
+#import hohlraum::scene::reflection::{reflectance, use_of}
 #import hohlraum::transport::sh
 
 /// Irradiance at receivers [W/m2]: seen unblocked from emitters and sky, and all that bounced.
@@ -118,7 +138,10 @@ fn surfel(point: Point, front_facing: bool) -> Surfel {
     var here: Surfel;
     here.position = point.position;
     here.smooth_normal = normalize(select(-point.normal, point.normal, front));
+    here.normal = here.smooth_normal;
+#ifdef NORMAL_MAP
     here.normal = bumped(point, here.smooth_normal, front);
+#endif
     here.albedo = base.rgb;
     here.alpha = base.a;
     here.metallic = saturate(metals.x);
@@ -138,6 +161,7 @@ fn surfel(point: Point, front_facing: bool) -> Surfel {
     return here;
 }
 
+#ifdef NORMAL_MAP
 /// The normal map's normal in world space. Without tangents the frame comes from how position and texture
 /// coordinates change over the picture (Schueler, "Normal mapping without precomputed tangents", 2006).
 fn bumped(point: Point, normal: vec3f, front: bool) -> vec3f {
@@ -166,6 +190,7 @@ fn bumped(point: Point, normal: vec3f, front: bool) -> vec3f {
     }
     return normalize(tangent * local.x + bitangent * local.y + normal * local.z);
 }
+#endif
 
 // ---- light
 
@@ -184,6 +209,7 @@ struct Lit {
 fn lit(here: Surfel) -> Lit {
     let diffuse = diffuse_albedo(here) / PI;
     var sum = Lit(vec3f(0.0), vec3f(0.0));
+#ifdef LIGHTS
     let list = lights_at(here.position);
     for (var k = 0u; k < list.count; k++) {
         let light = light_of(list, k);
@@ -199,6 +225,7 @@ fn lit(here: Surfel) -> Lit {
             sum.highlights += arrived * highlight(here, light_here.towards, cosine);
         }
     }
+#endif
     return sum;
 }
 
@@ -223,10 +250,13 @@ fn highlight(here: Surfel, to_light: vec3f, cosine: f32) -> vec3f {
 fn reflection(here: Surfel) -> vec3f {
     let irradiance = here.direct + here.indirect;
     let mirrored = reflect(-here.to_viewer, here.normal);
-    let found = around(here.position, here.normal, here.smooth_normal, mirrored, here.roughness);
     // Where nothing is known of the surroundings, they are taken to be the same from everywhere.
-    let unknown = irradiance / PI * (1.0 - found.known);
-    let radiance = found.radiance * open_share(here, irradiance, found.irradiance, found.known) + unknown;
+    var radiance = irradiance / PI;
+#ifdef CUBEMAPS
+    let found = around(here.position, here.normal, here.smooth_normal, mirrored, here.roughness);
+    radiance *= 1.0 - found.known;
+    radiance += found.radiance * open_share(here, irradiance, found.irradiance, found.known);
+#endif
     return here.mirrored * radiance * (use_of.strength * over_horizon(here, mirrored));
 }
 
@@ -254,14 +284,20 @@ fn over_horizon(here: Surfel, mirrored: vec3f) -> f32 {
 @fragment
 fn shade(point: Point, @builtin(front_facing) front: bool) -> @location(0) vec4f {
     let here = surfel(point, front);
-    if is(MASK) && here.alpha < material.cutoff {
+#ifdef MASK
+    if is(MASKED) && here.alpha < material.cutoff {
         discard;
     }
+#endif
+    var alpha = 1.0;
+#ifdef BLEND
+    alpha = select(1.0, here.alpha, is(BLENDED));
+#endif
     if frame.view == ALBEDO || frame.view == NORMAL {
         let plain = select(here.normal * 0.5 + 0.5, here.albedo, frame.view == ALBEDO);
-        return vec4f(plain, 1.0) * select(1.0, here.alpha, is(BLEND));
+        return vec4f(plain, 1.0) * alpha;
     }
-    let radiance = radiance_of(here, select(1.0, here.alpha, is(BLEND)));
+    let radiance = radiance_of(here, alpha);
     // Behind probes and their edges.
     let share = select(1.0, DIMMED, frame.view >= PROBES);
     return vec4f(drawn(radiance.rgb * share), radiance.a);
@@ -270,10 +306,12 @@ fn shade(point: Point, @builtin(front_facing) front: bool) -> @location(0) vec4f
 /// Radiance that is on its way to the eye, and what it covers: alpha thins out what leaves in all directions, and
 /// not what is mirrored, as on glass.
 fn radiance_of(here: Surfel, alpha: f32) -> vec4f {
-    if is(UNLIT) {
+#ifdef UNLIT
+    if is(SHINING) {
         let own = select(here.albedo, vec3f(0.0), frame.view == INDIRECT || frame.view == REFLECTION);
         return vec4f(own, 1.0) * alpha;
     }
+#endif
     let reflected = diffuse_albedo(here) / PI;
     let indirect = here.indirect * reflected * alpha;
     if frame.view == INDIRECT {

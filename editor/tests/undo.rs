@@ -153,7 +153,12 @@ fn baked(scene: &Scene) -> Vec<Input> {
             assets.meshes.entry(renderer.mesh.clone()).or_insert_with(|| shape::mesh(shape).into());
         }
     }
-    let mut inputs = inputs(scene, &assets, &BakeWith { quality: Quality::Draft, rays: 1, length: 1.0 });
+    let mut inputs = inputs(
+        scene,
+        &assets,
+        &BakeWith { quality: Quality::Draft, rays: 1, length: 1.0 },
+        &Default::default(),
+    );
     inputs.iter_mut().for_each(|input| input.name.clear());
     inputs.sort_by_key(|input| (input.what as u8, input.entity));
     inputs

@@ -140,7 +140,12 @@ fn weights_of_probes() {
 
 #[test]
 fn rows() {
-    compare(shaders::BOUNCE, "Page", fields!(PageUniform: first, count, packed), size_of::<PageUniform>());
+    compare(
+        shaders::BOUNCE,
+        "Page",
+        fields!(PageUniform: first, count, packed, width),
+        size_of::<PageUniform>(),
+    );
     let fields = fields!(CoarseUniform: patches, aggregates, chunks);
     compare(shaders::COARSE, "Coarse", fields, size_of::<CoarseUniform>());
     compare(shaders::UNIT, "Rescale", fields!(RescaleUniform: columns, factor), size_of::<RescaleUniform>());

@@ -4,12 +4,13 @@
 pub mod density;
 mod progress;
 
+use std::path::Path;
 use std::sync::Arc;
 use std::thread::JoinHandle;
 
 use bake::{BakeError, Settings};
 use engine::scene::assets::Assets;
-use engine::scene::file::Quality;
+use engine::scene::file::{Quality, load_project};
 use engine::scene::{Scene, Warning};
 use engine::transport::key::{BakeWith, inputs};
 use engine::transport::stale::Stale as Difference;
@@ -156,8 +157,8 @@ impl Baking {
             return;
         }
         let (scene, assets, revision) = (document.scene().clone(), assets.clone(), document.revision());
-        let transport = shown.transport.clone();
-        let compare = move || (revision, difference(&transport.certificate, &scene, &assets));
+        let (project, transport) = (document.project().to_owned(), shown.transport.clone());
+        let compare = move || (revision, difference(&project, &transport.certificate, &scene, &assets));
         // Without a thread the badge stays as careful as it was.
         self.compare = Job::start("compare bake", compare).ok();
     }
@@ -174,24 +175,25 @@ impl Baking {
 /// The bake of a document that lies on disk, whatever of it is stale; none is none. It reads the whole file: call it from
 /// where scenes are opened, not from a picture.
 pub fn load(document: &Document, assets: &Assets) -> Result<Option<Baked>, String> {
-    let path = file::path(document.project(), document.name());
-    if !path.is_file() {
+    let (project, name) = (document.project(), document.name());
+    if !file::path(project, name).is_file() && !file::full_path(project, name).is_file() {
         return Ok(None);
     }
-    let transport = file::load(&path).map_err(|error| bake::chain::told(&error))?;
-    let differs = difference(&transport.certificate, document.scene(), assets);
+    let transport = file::load_full(project, name).map_err(|error| bake::chain::told(&error))?;
+    let differs = difference(project, &transport.certificate, document.scene(), assets);
     let (state, revision) = (document.state(), document.revision());
     Ok(Some(Baked { transport: Arc::new(transport), warnings: Vec::new(), state, revision, differs }))
 }
 
-/// Between what was baked and a scene.
-pub fn difference(certificate: &Certificate, scene: &Scene, assets: &Assets) -> Difference {
+/// Between what was baked and a scene, with the features that its project asks for. Reads the project's settings.
+pub fn difference(project: &Path, certificate: &Certificate, scene: &Scene, assets: &Assets) -> Difference {
     let with = BakeWith {
         quality: Quality::default(), // a name for rays and length
         rays: certificate.rays_per_row,
         length: certificate.base_length,
     };
-    Difference::between(&certificate.inputs, &inputs(scene, assets, &with))
+    let features = load_project(project).unwrap_or_default().features;
+    Difference::between(&certificate.inputs, &inputs(scene, assets, &with, &features))
 }
 
 /// The editor that ends does not wait for a bake that nobody will see.

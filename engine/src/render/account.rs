@@ -96,6 +96,7 @@ impl Renderer {
     /// The same, read back. Blocks.
     pub fn solved(&self) -> Result<Solved, GpuError> {
         let (spaces, unit) = (&self.spaces, self.sources.unit());
+        let baked = self.responses.spread.radiosity.clone();
         let read = |buffer: &wgpu::Buffer, count: usize, unit: f32| -> Result<Vec<Vec3>, GpuError> {
             let values: Vec<Vec4> = buffer::read(&self.gpu, buffer)?;
             Ok(values.into_iter().take(count).map(|value| value.truncate() * unit).collect())
@@ -106,10 +107,15 @@ impl Renderer {
             Ok(both.map(|(emitted, bounced)| emitted + bounced).collect())
         };
         let patches = spaces.patch_count as usize;
-        let probes = if self.probes_current { 9 * spaces.probe_count as usize } else { 0 };
+        let probes =
+            if self.probes_current && spaces.has_probes() { 9 * spaces.probe_count as usize } else { 0 };
         Ok(Solved {
             exitance: read(&spaces.exitance, patches, unit)?,
-            radiosity: read(&spaces.radiosity, self.transport.columns(), unit)?,
+            radiosity: if self.is_solved_for() {
+                baked
+            } else {
+                read(&spaces.radiosity, self.transport.columns(), unit)?
+            },
             irradiance: sum(&spaces.receivers, spaces.receiver_count as usize)?,
             probes: sum(&spaces.probes, probes)?,
         })
@@ -157,10 +163,13 @@ impl Renderer {
     }
 
     /// Bytes on the GPU by kind.
-    pub fn bytes(&self) -> [(&'static str, u64); 11] {
+    pub fn bytes(&self) -> [(&'static str, u64); 13] {
+        let [receiver_rows, probe_rows] = self.gather.bytes();
         [
-            ("rows", self.bounce.bytes() + self.gather.bytes()),
-            ("light", self.spaces.bytes + self.objects.bytes()),
+            ("rows", self.bounce.bytes() + receiver_rows),
+            ("rows of probes", probe_rows),
+            ("light", self.spaces.bytes),
+            ("light of probes", self.spaces.probe_bytes() + self.objects.bytes()),
             ("coarse correction", self.coarse.bytes),
             ("surface", self.still.bytes),
             ("shadow rays", self.direct.bytes()),
@@ -189,7 +198,14 @@ impl Renderer {
         if !self.reflections.any() {
             left_out.push("reflection cubemaps: nothing smooth, or no probe and no sky".to_owned());
         }
-        if self.coarse.bytes == 0 {
+        if self.is_solved_for() {
+            left_out.push("matrix: light was solved at the bake".to_owned());
+        }
+        if self.reflections.unread > 0 {
+            left_out
+                .push(format!("{} reflection probes: nothing in view reads them", self.reflections.unread));
+        }
+        if self.coarse.bytes == 0 && !self.is_solved_for() {
             left_out.push(format!("coarse correction: {}", self.sources.choice().why));
         }
         left_out

@@ -130,6 +130,13 @@ impl Instances {
         hasher.finish()
     }
 
+    /// A number for something that moves: where it stands, and of which material it is.
+    pub fn stamp(&self, draw: &Draw, hasher: &mut DefaultHasher) {
+        (draw.mesh, draw.shown, draw.material, &draw.indices).hash(hasher);
+        let instance = draw.mesh.and_then(|_| self.items.get(draw.instance as usize));
+        bytemuck::cast_slice::<_, u8>(&instance.map_or([[0.0; 4]; 3], |instance| instance.rows)).hash(hasher);
+    }
+
     /// Whether anything is drawn that the bake does not light.
     pub fn any_moving(&self) -> bool {
         !self.items.is_empty()

@@ -6,6 +6,7 @@
 //! Bind groups of all shaders: 0 view and time, 1 scene, 2 transport, 3 the pass's own.
 
 mod account;
+pub mod asked;
 pub mod bounce;
 mod captures;
 pub mod cascades;
@@ -24,12 +25,14 @@ pub mod materials;
 pub mod meshes;
 pub mod objects;
 pub mod overlay;
+mod paint;
 pub mod patches;
 pub mod pictures;
 pub mod probes;
 mod radiosity;
 pub mod rays;
 pub mod reflections;
+mod responses;
 pub mod rows;
 pub mod shaders;
 pub mod shadow;
@@ -48,6 +51,7 @@ pub mod view;
 use crate::gpu::GpuError;
 pub use crate::transport::steering;
 pub use account::Solved;
+pub use asked::Asked;
 pub use direct::PatchShadows;
 pub use frame::{Drawn, Now, Renderer, Settings};
 pub use view::{Eye, View};

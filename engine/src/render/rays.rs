@@ -69,19 +69,25 @@ pub struct Rays {
     blockers: Held<Blocker>,
     stops: Held<f32>,
     count: Held<CountUniform>,
-    layout: wgpu::BindGroupLayout,
     group: wgpu::BindGroup,
     bound: [u64; 2],
     offset: f32,
 }
 
 impl Rays {
-    pub fn new(gpu: &Gpu, transport: &Transport, occluders: &Occluders) -> Result<Self, GpuError> {
+    pub fn layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
         use Binding::{Read, Uniform};
+        pass::layout(gpu, "rays", wgpu::ShaderStages::COMPUTE, &[Read, Read, Read, Read, Uniform])
+    }
+
+    pub fn new(
+        gpu: &Gpu,
+        layout: &wgpu::BindGroupLayout,
+        transport: &Transport,
+        occluders: &Occluders,
+    ) -> Result<Self, GpuError> {
         let trees = vec![Tree::of_surface(transport, occluders.bvh())];
         gpu.fits("triangles", size_of_val(trees[0].triangles.as_slice()) as u64)?;
-        let layout =
-            pass::layout(gpu, "rays", wgpu::ShaderStages::COMPUTE, &[Read, Read, Read, Read, Uniform]);
         let (nodes, triangles) = upload(gpu, &trees);
         let mut blockers = Held::new(gpu, "blockers", Usage::STORAGE);
         // No binding may be smaller than what it holds one of.
@@ -90,21 +96,16 @@ impl Rays {
         let count = Held::new(gpu, "count", Usage::UNIFORM);
         let buffers = [&nodes, &triangles, blockers.buffer(), stops.buffer(), count.buffer()];
         Ok(Self {
-            group: pass::buffers(gpu, "rays", &layout, &buffers),
+            group: pass::buffers(gpu, "rays", layout, &buffers),
             trees,
             nodes,
             triangles,
             blockers,
             stops,
             count,
-            layout,
             bound: [0; 2],
             offset: occluders.bvh().offset(),
         })
-    }
-
-    pub fn layout(&self) -> &wgpu::BindGroupLayout {
-        &self.layout
     }
 
     pub fn group(&self) -> &wgpu::BindGroup {
@@ -116,7 +117,7 @@ impl Rays {
     }
 
     /// Follows what casts shadows. Returns whether anything differs from the last frame.
-    pub fn follow(&mut self, gpu: &Gpu, casters: &Casters<'_>) -> bool {
+    pub fn follow(&mut self, gpu: &Gpu, layout: &wgpu::BindGroupLayout, casters: &Casters<'_>) -> bool {
         let grown = self.grow(gpu, casters);
         let draws = &casters.instances.draws;
         let still = draws.iter().take_while(|draw| draw.mesh.is_none()).count();
@@ -149,7 +150,7 @@ impl Rays {
                 self.stops.buffer(),
                 self.count.buffer(),
             ];
-            self.group = pass::buffers(gpu, "rays", &self.layout, &buffers);
+            self.group = pass::buffers(gpu, "rays", layout, &buffers);
         }
         changed || grown
     }

@@ -1,7 +1,11 @@
 //! Every shader, embedded.
 
-use crate::gpu::GpuError;
+use std::sync::Arc;
+
+use super::surface::Parts;
+use crate::gpu::pipeline::Compiler;
 use crate::gpu::shader::{Library, Source};
+use crate::gpu::{Gpu, GpuError};
 
 /// Files that others import; each stands behind those that it imports itself.
 pub const IMPORTED: [Source; 10] = [
@@ -55,6 +59,23 @@ pub const EXPOSURE: Source =
 pub const TONEMAP: Source = Source { name: "tonemap", text: include_str!("../../../shaders/tonemap.wgsl") };
 pub const OVERLAY: Source = Source { name: "overlay", text: include_str!("../../../shaders/overlay.wgsl") };
 pub const MIPMAP: Source = Source { name: "mipmap", text: include_str!("../../../shaders/mipmap.wgsl") };
+
+/// What may be defined in a pass, each set as some scene has it: nothing, each part alone, and all of them.
+pub fn defines(pass: &str) -> Vec<Vec<&'static str>> {
+    let all = match pass {
+        "surface" => Parts::ALL.defines(),
+        "shadow" => vec!["HOLES"],
+        "transport/bounce" | "transport/gather" => vec!["DENSE"],
+        _ => Vec::new(),
+    };
+    let alone = all.iter().map(|part| vec![*part]);
+    [Vec::new()].into_iter().chain(alone).chain([all.clone()]).collect()
+}
+
+/// What makes pipelines of them.
+pub fn compiler(gpu: &Arc<Gpu>) -> Result<Arc<Compiler>, GpuError> {
+    Ok(Arc::new(Compiler { gpu: gpu.clone(), library: library()? }))
+}
 
 pub fn library() -> Result<Library, GpuError> {
     Library::new(&IMPORTED)

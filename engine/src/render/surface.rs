@@ -1,6 +1,6 @@
 //! Surfaces: the baked ones and what moves, opaque first, blended ones from back to front behind the sky.
 
-use std::collections::HashMap;
+use std::sync::Arc;
 
 use glam::{Mat4, Vec3};
 use wgpu::{VertexAttribute, VertexBufferLayout, VertexStepMode, vertex_attr_array};
@@ -14,9 +14,10 @@ use super::shaders;
 use super::shadow_view::in_sight;
 use super::spaces::Spaces;
 use super::targets;
+use crate::gpu::Gpu;
 use crate::gpu::pass::{self, Binding};
-use crate::gpu::shader::Library;
-use crate::gpu::{Gpu, GpuError};
+use crate::gpu::pipeline::{self, Compiler, Pipelines};
+use crate::scene::{Alpha, Material};
 use crate::transport::Vertex;
 use crate::transport::surface::Blend;
 
@@ -99,14 +100,80 @@ struct Variant {
     cull: Option<wgpu::Face>,
     samples: u32,
     mirrored: bool,
+    parts: Parts,
+}
+
+impl pipeline::Variant for Variant {
+    fn name(&self) -> String {
+        let said =
+            [(self.moving, "moving"), (self.cull.is_none(), "both sides"), (self.mirrored, "mirrored")];
+        let said = said.into_iter().filter(|(is, _)| *is).map(|(_, word)| word.to_owned());
+        let parts = self.parts.defines().into_iter().map(|part| part.to_lowercase().replace('_', " "));
+        ["surface".to_owned()].into_iter().chain(said).chain(parts).collect::<Vec<_>>().join(", ")
+    }
+
+    fn defines(&self) -> Vec<&'static str> {
+        self.parts.defines()
+    }
+}
+
+/// Parts of the shader that not every surface needs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Parts {
+    pub normal_map: bool,
+    pub mask: bool,
+    pub blend: bool,
+    pub unlit: bool,
+    /// Punctual lights shine.
+    pub lights: bool,
+    /// There are cubemaps.
+    pub cubemaps: bool,
+}
+
+impl Parts {
+    pub const ALL: Self =
+        Self { normal_map: true, mask: true, blend: true, unlit: true, lights: true, cubemaps: true };
+
+    /// As they are defined in `surface.wgsl`.
+    pub fn defines(&self) -> Vec<&'static str> {
+        let all = [
+            (self.normal_map, "NORMAL_MAP"),
+            (self.mask, "MASK"),
+            (self.blend, "BLEND"),
+            (self.unlit, "UNLIT"),
+            (self.lights, "LIGHTS"),
+            (self.cubemaps, "CUBEMAPS"),
+        ];
+        all.into_iter().filter(|(is, _)| *is).map(|(_, name)| name).collect()
+    }
+
+    /// What a material asks for, of what there is.
+    fn of(material: &Material, there: &Self) -> Self {
+        let lit = !material.unlit;
+        Self {
+            normal_map: there.normal_map && material.normal_texture.is_some(),
+            mask: there.mask && matches!(material.alpha, Alpha::Mask { .. }),
+            blend: there.blend && material.alpha == Alpha::Blend,
+            unlit: there.unlit && material.unlit,
+            lights: there.lights && lit,
+            cubemaps: there.cubemaps && lit,
+        }
+    }
+}
+
+/// Which parts the surfaces of a frame have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Variants {
+    /// What there is at all.
+    pub there: Parts,
+    /// All surfaces have all of it, whatever their materials ask for.
+    pub alike: bool,
 }
 
 pub struct Surfaces {
-    module: wgpu::ShaderModule,
     layout: wgpu::PipelineLayout,
     light_layout: wgpu::BindGroupLayout,
-    /// Made when first needed.
-    pipelines: HashMap<Variant, wgpu::RenderPipeline>,
+    pipelines: Pipelines<Variant, wgpu::RenderPipeline>,
     /// Group 2, and what it binds.
     light: Option<([u64; 4], wgpu::BindGroup)>,
     order: Vec<usize>,
@@ -138,18 +205,18 @@ pub struct Scenery<'a> {
     pub still: &'a StillBuffers,
     pub meshes: &'a Meshes,
     pub materials: &'a Materials,
+    pub variants: Variants,
 }
 
 impl Surfaces {
     pub fn new(
         gpu: &Gpu,
-        library: &mut Library,
+        compiler: &Arc<Compiler>,
         frame_layout: &wgpu::BindGroupLayout,
         scene_layout: &wgpu::BindGroupLayout,
         material_layout: &wgpu::BindGroupLayout,
-    ) -> Result<Self, GpuError> {
+    ) -> Self {
         use Binding::{Cubes, Picture, Read, Sampler, UniformSlot};
-        let module = library.module(gpu, shaders::SURFACE)?;
         let light_layout = pass::layout(
             gpu,
             "light",
@@ -157,14 +224,13 @@ impl Surfaces {
             &[Read, Read, Read, Read, UniformSlot, Read, Read, Cubes, Sampler, Picture],
         );
         let groups = [Some(frame_layout), Some(scene_layout), Some(&light_layout), Some(material_layout)];
-        Ok(Self {
-            module,
+        Self {
             layout: pass::pipeline_layout(gpu, &groups),
             light_layout,
-            pipelines: HashMap::new(),
+            pipelines: Pipelines::new(compiler, shaders::SURFACE),
             light: None,
             order: Vec::new(),
-        })
+        }
     }
 
     /// Binds what surfaces read of light and reflections.
@@ -182,7 +248,6 @@ impl Surfaces {
     /// Draws the opaque or the blended surfaces that are in sight. Returns the draws.
     pub fn draw(
         &mut self,
-        gpu: &Gpu,
         pass: &mut wgpu::RenderPass<'_>,
         scenery: &Scenery<'_>,
         look: &Look<'_>,
@@ -200,12 +265,12 @@ impl Surfaces {
                 cull: culled(draw),
                 samples: look.samples,
                 mirrored: look.mirrored,
+                parts: scenery.variants.of(scenery.materials.material(draw.material)),
             };
-            let pipeline = self
-                .pipelines
-                .entry(variant)
-                .or_insert_with(|| pipeline(gpu, &self.module, &self.layout, variant));
-            pass.set_pipeline(pipeline);
+            let made =
+                self.pipelines.get(variant, |gpu, module| pipeline(gpu, module, &self.layout, variant));
+            let Some(pipeline) = made else { continue };
+            pass.set_pipeline(&pipeline);
             pass.set_bind_group(2, light, &[Reflections::offset(index)]);
             pass.set_bind_group(3, scenery.materials.group(draw.material), &[]);
             bind_mesh(pass, draw, scenery.still, scenery.meshes, scenery.instances, true);
@@ -234,6 +299,12 @@ impl Surfaces {
             let nearest = |index: usize| draws[index].centre.distance(look.eye) - draws[index].radius;
             self.order.sort_by(|&a, &b| nearest(a).total_cmp(&nearest(b)));
         }
+    }
+}
+
+impl Variants {
+    fn of(&self, material: &Material) -> Parts {
+        if self.alike { self.there } else { Parts::of(material, &self.there) }
     }
 }
 

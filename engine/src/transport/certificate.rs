@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::key::Input;
+use super::needs::Needs;
 
 /// Written into the bake and printed. Times, threads and texts lie outside the transport hash.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -30,8 +31,10 @@ pub struct Certificate {
     /// Of this run.
     pub seconds: f64,
     pub threads: usize,
-    /// Of everything in the file.
+    /// Of the full transport, as it would be stored.
     pub bytes: u64,
+    /// What the player's file was made for: what is needed, and all that leaving out the rest relies on.
+    pub shipped_for: String,
     /// max over patches of |sum - target| of the stored rows; target: 1 less sky and lost.
     pub row_sum_defect: f64,
     /// max over patches of the sum beyond its target; never above 0.
@@ -60,6 +63,8 @@ pub struct Certificate {
     pub noise: [f64; 2],
     /// Triangles dropped for having no area or repeated indices.
     pub dropped_triangles: usize,
+    /// What was found to be needed, with bytes counted in this bake; none in files of before anybody looked.
+    pub needs: Option<Needs>,
     pub left_out: Vec<String>,
     pub warnings: Vec<String>,
 }

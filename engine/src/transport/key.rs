@@ -1,16 +1,18 @@
-//! What a bake depends on: geometry, density, holes, probes and how it is baked, each part with a key of its own,
+//! What a bake depends on: geometry, density, holes, probes where something reads them, and how it is baked, each part with a key of its own,
 //! and one key of all. Lights, colours, emission and the sky's brightness are not in them: they change without a
 //! bake.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use glam::DAffine3;
 use serde::{Deserialize, Serialize};
 
+use super::needs::as_baked;
 use crate::scene::assets::{Assets, Picture, Pixels};
 use crate::scene::file::Quality;
 use crate::scene::{
-    Alpha, Entity, EntityId, ImageSource, Mesh, MeshRenderer, MeshSource, Scene, SkyKind, world_from_local,
+    Alpha, Entity, EntityId, Feature, Forced, ImageSource, Mesh, MeshRenderer, MeshSource, Scene, SkyKind,
+    world_from_local,
 };
 
 /// How a scene is baked, settled.
@@ -52,8 +54,14 @@ pub enum What {
     Probes,
 }
 
-/// All that a bake of the scene depends on. What the assets do not have counts as absent.
-pub fn inputs(scene: &Scene, assets: &Assets, with: &BakeWith) -> Vec<Input> {
+/// All that a bake of the scene depends on, of what it needs. What the assets do not have counts as absent.
+pub fn inputs(
+    scene: &Scene,
+    assets: &Assets,
+    with: &BakeWith,
+    forced: &BTreeMap<Feature, Forced>,
+) -> Vec<Input> {
+    let scene = &as_baked(scene, assets, forced);
     let mut contents = Contents { assets, meshes: HashMap::new(), pictures: HashMap::new() };
     let method = format!("{:?}", (METHOD, with.rays, with.length.to_bits()));
     let mut inputs = vec![
@@ -150,7 +158,7 @@ fn of_mesh(mesh: &Mesh) -> String {
     ])
 }
 
-fn of_picture(picture: &Picture) -> String {
+pub(super) fn of_picture(picture: &Picture) -> String {
     let pixels = match &picture.pixels {
         Pixels::Rgba8(pixels) => bytemuck::cast_slice(pixels),
         Pixels::Rgb32f(pixels) => bytemuck::cast_slice(pixels),

@@ -13,7 +13,7 @@ const LARGEST_WEIGHT: f32 = 64.0;
 pub fn numbers(transport: &Transport) -> Result<(), String> {
     let says = |holds: bool, message: &str| if holds { Ok(()) } else { Err(message.to_owned()) };
     says(transport.origin.is_finite(), "its origin is no place")?;
-    says([0, sky::COUNT].contains(&transport.sky_patches), "it has a sky of another division")?;
+    says(sky::is_division(transport.sky_patches), "it has a sky of another division")?;
 
     let n = transport.patches.len() as u32;
     for (i, patch) in transport.patches.iter().enumerate() {
