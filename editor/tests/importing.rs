@@ -207,7 +207,7 @@ fn importing_again_takes_what_the_file_changed_and_keeps_what_the_user_did() {
     let ready = import(&document, &own, ImportSettings::default()).unwrap();
     assert_eq!(ready.file, record.file, "what lies in the project is read where it is");
     let records = Record::all(document.project(), "main", &ready.file);
-    assert_eq!(records, [record.clone()]);
+    assert_eq!(records, std::slice::from_ref(&record));
     let (edit, same, warnings) = importing::reimport(&mut document, &records[0], &ready);
     assert!(warnings.is_empty() && same == record);
     let before = document.scene().clone();

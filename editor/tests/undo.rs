@@ -196,7 +196,7 @@ fn no_edit_that_the_baker_minds_is_called_free() {
 
 /// So many entities, each under the one before it by its number divided by ten.
 fn crowd(many: u64) -> Scene {
-    let light = |id: u64| (id % 3 == 0).then(Light::default);
+    let light = |id: u64| id.is_multiple_of(3).then(Light::default);
     let parent = |id: u64| (id / 10 > 0).then_some(EntityId(id / 10));
     let entity = |id| Entity {
         id: EntityId(id),

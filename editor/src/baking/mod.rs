@@ -62,11 +62,17 @@ impl<T: Send + 'static> Job<T> {
     }
 }
 
+/// A bake that goes on.
+struct Bake {
+    job: Job<Result<Baked, BakeError>>,
+    meter: Arc<Meter>,
+}
+
 /// The bake that is shown, and the one that is made.
 #[derive(Default)]
 pub struct Baking {
     shown: Option<Baked>,
-    bake: Option<(Job<Result<Baked, BakeError>>, Arc<Meter>)>,
+    bake: Option<Bake>,
     compare: Option<Job<(u64, Difference)>>,
 }
 
@@ -101,26 +107,26 @@ impl Baking {
             Ok(Baked { transport, warnings: baked.warnings, state, revision, differs })
         };
         let job = Job::start("bake", work).map_err(|error| format!("the bake cannot start: {error}"))?;
-        self.bake = Some((job, meter));
+        self.bake = Some(Bake { job, meter });
         Ok(())
     }
 
     /// It stops within a second and keeps what can be used by the next.
     pub fn cancel(&self) {
-        if let Some((_, meter)) = &self.bake {
-            meter.cancel();
+        if let Some(bake) = &self.bake {
+            bake.meter.cancel();
         }
     }
 
     pub fn progress(&self) -> Option<Progress> {
-        self.bake.as_ref().map(|(_, meter)| meter.progress())
+        self.bake.as_ref().map(|bake| bake.meter.progress())
     }
 
     /// To be called with every picture: the bake that has just ended. Its light is shown from then on, where there
     /// is any; a bake whose certificate does not hold is an error, and what was shown stays.
     pub fn poll(&mut self) -> Option<Result<Vec<Warning>, String>> {
         self.take_comparison();
-        let ended = self.bake.as_mut()?.0.poll()?;
+        let ended = self.bake.as_mut()?.job.poll()?;
         self.bake = None;
         let baked = match ended {
             Ok(Ok(baked)) => baked,
