@@ -18,6 +18,7 @@
 #endif
 #ifdef NORMAL_MAP
 #import hohlraum::scene::material::{bump, mapped}
+#import hohlraum::transport::directional::tilted
 #endif
 #ifdef LIGHTS
 #import hohlraum::scene::material::DOUBLE_SIDED
@@ -29,7 +30,8 @@
 #import hohlraum::scene::reflection::{reflectance, use_of}
 #import hohlraum::transport::sh
 
-/// Irradiance at receivers [W/m2]: seen unblocked from emitters and sky, and all that bounced.
+/// Irradiance at receivers [W/m2]: seen unblocked from emitters and sky, and all that bounced. From
+/// `frame.directional` on: the directional terms of the first ones, along x, y and z.
 @group(2) @binding(0) var<storage, read> receivers_direct: array<vec4f>;
 @group(2) @binding(1) var<storage, read> receivers_indirect: array<vec4f>;
 /// Nine coefficients an object that moves, likewise.
@@ -57,6 +59,38 @@ struct Point {
     @location(8) back_indirect: vec3f,
     @location(9) @interpolate(flat) mirrored: u32,
 }
+
+#ifdef NORMAL_MAP
+/// On a static surface with a normal map: the light of the side that is drawn, with its directional terms.
+struct BumpedPoint {
+    @builtin(position) clip: vec4f,
+    @location(0) position: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) tangent: vec4f,
+    @location(3) uv: vec4f,
+    @location(4) color: vec4f,
+    @location(5) direct: vec3f,
+    @location(6) direct_x: vec3f,
+    @location(7) direct_y: vec3f,
+    @location(8) direct_z: vec3f,
+    @location(9) indirect: vec3f,
+    @location(10) indirect_x: vec3f,
+    @location(11) indirect_y: vec3f,
+    @location(12) indirect_z: vec3f,
+}
+
+/// On a surface with a normal map that moves.
+struct BumpedMovingPoint {
+    @builtin(position) clip: vec4f,
+    @location(0) position: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) tangent: vec4f,
+    @location(3) uv: vec4f,
+    @location(4) color: vec4f,
+    /// Which object it is, and 1 where its transform mirrors.
+    @location(5) @interpolate(flat) light: vec2u,
+}
+#endif
 
 // ---- vertices
 
@@ -93,19 +127,74 @@ fn moving(vertex: Moving) -> Point {
     point.tangent = vec4f(moved_tangent(vertex.tangent.xyz, x, y, z), vertex.tangent.w);
     point.uv = vertex.uv;
     point.color = vertex.color;
-    var direct: array<vec3f, 9>;
-    var indirect: array<vec3f, 9>;
-    for (var k = 0u; k < 9u; k++) {
-        direct[k] = objects_direct[vertex.light.x * 9u + k].xyz;
-        indirect[k] = objects_indirect[vertex.light.x * 9u + k].xyz;
-    }
-    point.front_direct = sh::irradiance(direct, point.normal);
-    point.front_indirect = sh::irradiance(indirect, point.normal);
-    point.back_direct = sh::irradiance(direct, -point.normal);
-    point.back_indirect = sh::irradiance(indirect, -point.normal);
+    let front = light_of_object(vertex.light.x, point.normal);
+    let back = light_of_object(vertex.light.x, -point.normal);
+    point.front_direct = front.direct;
+    point.front_indirect = front.indirect;
+    point.back_direct = back.direct;
+    point.back_indirect = back.indirect;
     point.mirrored = vertex.light.y;
     return point;
 }
+
+/// Irradiance [W/m2].
+struct Light {
+    direct: vec3f,
+    indirect: vec3f,
+}
+
+fn light_of_object(object: u32, normal: vec3f) -> Light {
+    var direct: array<vec3f, 9>;
+    var indirect: array<vec3f, 9>;
+    for (var k = 0u; k < 9u; k++) {
+        direct[k] = objects_direct[object * 9u + k].xyz;
+        indirect[k] = objects_indirect[object * 9u + k].xyz;
+    }
+    return Light(sh::irradiance(direct, normal), sh::irradiance(indirect, normal));
+}
+
+#ifdef NORMAL_MAP
+@vertex
+fn still_bumped(vertex: Still) -> BumpedPoint {
+    var point: BumpedPoint;
+    point.clip = frame.clip_from_world * vec4f(vertex.position, 1.0);
+    point.position = vertex.position;
+    point.normal = vertex.normal;
+    point.tangent = vertex.tangent;
+    point.uv = vertex.uv;
+    point.color = vertex.color;
+    for (var k = 0u; k < 4u; k++) {
+        let receiver = vertex.receivers[k];
+        let terms = frame.directional + 3u * receiver;
+        let weight = vertex.weights[k];
+        point.direct += weight * receivers_direct[receiver].xyz;
+        point.direct_x += weight * receivers_direct[terms].xyz;
+        point.direct_y += weight * receivers_direct[terms + 1u].xyz;
+        point.direct_z += weight * receivers_direct[terms + 2u].xyz;
+        point.indirect += weight * receivers_indirect[receiver].xyz;
+        point.indirect_x += weight * receivers_indirect[terms].xyz;
+        point.indirect_y += weight * receivers_indirect[terms + 1u].xyz;
+        point.indirect_z += weight * receivers_indirect[terms + 2u].xyz;
+    }
+    return point;
+}
+
+@vertex
+fn moving_bumped(vertex: Moving) -> BumpedMovingPoint {
+    let x = vertex.row_x.xyz;
+    let y = vertex.row_y.xyz;
+    let z = vertex.row_z.xyz;
+    var point: BumpedMovingPoint;
+    point.position = moved(vertex.position, vertex.row_x, vertex.row_y, vertex.row_z);
+    point.clip = frame.clip_from_world * vec4f(point.position, 1.0);
+    point.normal = moved_normal(vertex.normal, x, y, z, vertex.light.y);
+    point.tangent = vec4f(moved_tangent(vertex.tangent.xyz, x, y, z), vertex.tangent.w);
+    point.uv = vertex.uv;
+    point.color = vertex.color;
+    point.light = vertex.light;
+    return point;
+}
+#endif
 
 // ---- what is there
 
@@ -283,7 +372,40 @@ fn over_horizon(here: Surfel, mirrored: vec3f) -> f32 {
 
 @fragment
 fn shade(point: Point, @builtin(front_facing) front: bool) -> @location(0) vec4f {
-    let here = surfel(point, front);
+    return picture_of(surfel(point, front));
+}
+
+#ifdef NORMAL_MAP
+@fragment
+fn shade_bumped(at: BumpedPoint, @builtin(front_facing) front: bool) -> @location(0) vec4f {
+    let point = Point(
+        at.clip, at.position, at.normal, at.tangent, at.uv, at.color,
+        at.direct, at.indirect, at.direct, at.indirect, 0u,
+    );
+    var here = surfel(point, front);
+    let direct = mat3x3f(at.direct_x, at.direct_y, at.direct_z);
+    let indirect = mat3x3f(at.indirect_x, at.indirect_y, at.indirect_z);
+    here.direct = tilted(here.direct, direct, here.smooth_normal, here.normal);
+    here.indirect = tilted(here.indirect, indirect, here.smooth_normal, here.normal);
+    return picture_of(here);
+}
+
+@fragment
+fn shade_moving_bumped(at: BumpedMovingPoint, @builtin(front_facing) front: bool) -> @location(0) vec4f {
+    let none = vec3f(0.0);
+    let point = Point(
+        at.clip, at.position, at.normal, at.tangent, at.uv, at.color,
+        none, none, none, none, at.light.y,
+    );
+    var here = surfel(point, front);
+    let light = light_of_object(at.light.x, here.normal);
+    here.direct = light.direct;
+    here.indirect = light.indirect;
+    return picture_of(here);
+}
+#endif
+
+fn picture_of(here: Surfel) -> vec4f {
 #ifdef MASK
     if is(MASKED) && here.alpha < material.cutoff {
         discard;

@@ -8,6 +8,7 @@ mod certify;
 mod chart;
 mod cut;
 mod depth;
+mod directional;
 mod directions;
 mod emitter;
 mod gap;
@@ -40,6 +41,7 @@ use engine::scene::assets::Assets;
 use engine::scene::file::{Project, Quality, baked_dir, load_project, load_scene};
 use engine::scene::import::load_assets;
 use engine::scene::{EntityId, Feature, Forced, Scene, SceneError, Warning};
+use engine::transport::directional::AXES;
 use engine::transport::file::TransportError;
 use engine::transport::key::{BakeWith, Input, What, inputs, transport_key};
 use engine::transport::needs::{
@@ -251,6 +253,8 @@ fn run(
     certificate.key = key;
     certificate.inputs = inputs;
     certificate.warnings = opened.warnings.iter().map(Warning::to_string).collect();
+    // How long light lasts says what solves it.
+    transport.certificate.cavity_gain = certificate.cavity_gain;
     let needs = needs_of_transport(&opened.authored, &opened.assets, &transport, &opened.settings.features);
     certificate.left_out = needs.left_out().chain(left_out_of_probes(&transport)).collect();
     certificate.shipped_for = ship::made_for(&opened.authored, &opened.assets, &needs, unlimited);
@@ -383,13 +387,14 @@ pub fn plan(project: &Path, scene: Option<&str>, settings: &Settings) -> Result<
     let rows = transport.patches.len() + transport.receivers.len();
     let rays =
         rows as u64 * u64::from(with.rays) + transport.probes.len() as u64 * u64::from(pipeline::PROBE_RAYS);
+    let rays = rays + layout.directional as u64 * u64::from(with.rays);
     let kept = if is_current { rays } else { 0 };
     let (per_ray, per_row) = pipeline::measure(&layout, &opened.scene, &opened.assets, with.rays);
     // Entries of patches take eight bytes, others four where columns are few enough.
     let entries = |rows: usize| rows as f64 * per_row;
     let short = if transport.columns() <= packed::MOST_COLUMNS { 4.0 } else { 8.0 };
     let bytes = entries(transport.patches.len()) * 8.0
-        + entries(transport.receivers.len() + 9 * transport.probes.len()) * short;
+        + entries(transport.receivers.len() + AXES * layout.directional + 9 * transport.probes.len()) * short;
     let seconds_per_ray = per_ray / rayon::current_num_threads() as f64;
     let cost = Cost { seconds_per_ray, ..Cost::measured() };
     let full = || file::load_full_uncertified(project, &opened.name);

@@ -25,7 +25,7 @@ use crate::overlap::covered;
 use crate::probe::{ProbeRow, probe_row};
 use crate::rays::{Hits, Tracer};
 use crate::surface::Surface;
-use crate::{BakeError, Watcher, aggregate};
+use crate::{BakeError, Watcher, aggregate, directional};
 use engine::transport::bvh::Bvh;
 
 /// A point that meets back faces with more than this share of its rays lies inside something.
@@ -63,7 +63,7 @@ pub fn make(
     watcher: &dyn Watcher,
 ) -> Result<(Transport, Vec<Warning>), BakeError> {
     watcher.stage("patches and receivers", 1);
-    let Layout { mut transport, mut rays, dropped_triangles, mut warnings, .. } =
+    let Layout { mut transport, mut rays, directional, dropped_triangles, mut warnings } =
         layout(scene, assets, surface, with.length, watcher)?;
     watcher.advance(1, 0);
 
@@ -78,6 +78,10 @@ pub fn make(
     let patches_towards = patches_towards_emitters(&tracer, &emitters)?;
     let receiver_hits = tracer.receiver_rows(with.rays, &caches.receiver)?;
     let receivers_towards = receivers_towards_emitters(&tracer, &emitters)?;
+    let receiver_from_patch = receiver_rows(&receiver_hits, with.rays, &emitters, &receivers_towards);
+    let valid = valid(&receiver_hits, with.rays);
+    let directional_from_patch =
+        directional::rows(&tracer, &emitters, &receiver_from_patch, &valid[..directional], with.rays)?;
     let probe_rows = probe_rows(&tracer, &emitters)?;
     mark_probes(&mut transport.probes, &probe_rows);
     transport.depths = depths(&tracer, &transport, surface.unit);
@@ -93,15 +97,16 @@ pub fn make(
         balanced_rows(&patch_hits, with.rays, areas, &emitters, &patches_towards, &known, watcher)?;
     transport.patch_from_patch = rows;
     transport.patches.iter_mut().zip(targets).for_each(|(patch, target)| patch.target = target);
-    transport.receiver_from_patch = receiver_rows(&receiver_hits, with.rays, &emitters, &receivers_towards);
-    mark_receivers(&mut transport, &receiver_hits, with.rays);
+    transport.receiver_from_patch = receiver_from_patch;
+    transport.directional_from_patch = directional_from_patch;
+    mark_receivers(&mut transport, &valid);
     aggregate::mark(&mut transport.patches, &transport.patch_from_patch, watcher);
     watcher.advance(1, 0);
 
     let rays_of = |rows: usize| rows as u64 * u64::from(with.rays);
     let kept = caches.patch.kept_rows() + caches.receiver.kept_rows();
     let probe_rays = transport.probes.len() as u64 * u64::from(PROBE_RAYS);
-    let rays_in_all = rays_of(patch_hits.len() + receiver_hits.len()) + probe_rays;
+    let rays_in_all = rays_of(patch_hits.len() + receiver_hits.len() + directional) + probe_rays;
     let area: f64 = rays.patch_areas.iter().sum();
     let share = |counts: &dyn Fn(usize) -> u32| -> f64 {
         let weighted = (0..patch_hits.len()).map(|i| rays.patch_areas[i] * f64::from(counts(i)));
@@ -220,6 +225,8 @@ fn counts(transport: &Transport) -> Certificate {
             transport.receiver_from_patch.entries(),
             transport.probe_from_patch.entries(),
         ],
+        directional_receivers: transport.directional_receivers(),
+        directional_entries: transport.directional_from_patch.entries(),
         ..Certificate::default()
     }
 }
@@ -311,16 +318,20 @@ fn receiver_row(
     row
 }
 
+/// By receiver: is it outside of all solids?
+fn valid(hits: &Hits, rays: u32) -> Vec<bool> {
+    hits.lost.iter().map(|&lost| f64::from(lost) <= INSIDE * f64::from(rays)).collect()
+}
+
 /// Receivers inside a solid light nothing: vertices that blend them take their neighbours' receivers instead.
-fn mark_receivers(transport: &mut Transport, hits: &Hits, rays: u32) {
-    for (receiver, &lost) in transport.receivers.iter_mut().zip(&hits.lost) {
-        receiver.valid = f32::from(u8::from(f64::from(lost) <= INSIDE * f64::from(rays)));
+fn mark_receivers(transport: &mut Transport, valid: &[bool]) {
+    for (receiver, &valid) in transport.receivers.iter_mut().zip(valid) {
+        receiver.valid = f32::from(u8::from(valid));
     }
-    let valid: Vec<bool> = transport.receivers.iter().map(|receiver| receiver.valid > 0.0).collect();
     let triangles = &transport.surface.triangles;
     let positions: Vec<Vec3> = transport.surface.vertices.iter().map(|vertex| vertex.position).collect();
     for blends in [&mut transport.surface.blends, &mut transport.surface.back_blends] {
-        let mut lit: Vec<bool> = blends.iter_mut().map(|blend| keep_valid(blend, &valid)).collect();
+        let mut lit: Vec<bool> = blends.iter_mut().map(|blend| keep_valid(blend, valid)).collect();
         for _ in 0..3 {
             spread(blends, &mut lit, triangles, &positions);
         }

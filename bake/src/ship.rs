@@ -76,8 +76,12 @@ fn leave_out_matrix(shipped: &mut Transport, sources: &Sources) -> bool {
         return false;
     }
     shipped.solved = Some(responses::solve(shipped, sources));
-    let rows =
-        [&mut shipped.patch_from_patch, &mut shipped.receiver_from_patch, &mut shipped.probe_from_patch];
+    let rows = [
+        &mut shipped.patch_from_patch,
+        &mut shipped.receiver_from_patch,
+        &mut shipped.probe_from_patch,
+        &mut shipped.directional_from_patch,
+    ];
     rows.into_iter().for_each(|rows| *rows = Rows::default());
     shipped.sky_patches = 0;
     // Direct light is sampled at patches no more.

@@ -98,13 +98,7 @@ impl Studio {
 
     /// Radiance before the tonemap, rows from the top.
     pub fn radiance(&self) -> Vec<Vec3> {
-        let targets = self.renderer.targets().expect("a frame was drawn");
-        let bytes = texture::read(self.renderer.gpu(), &targets.radiance, 8).unwrap();
-        let halves =
-            bytes.chunks_exact(2).map(|pair| texture::single(u16::from_le_bytes([pair[0], pair[1]])));
-        let pre_exposure = self.renderer.exposed().unwrap().pre_exposure;
-        let values: Vec<f32> = halves.map(|half| half / pre_exposure).collect();
-        values.chunks_exact(4).map(|texel| Vec3::new(texel[0], texel[1], texel[2])).collect()
+        radiance_of(&self.renderer)
     }
 
     pub fn radiance_at(&self, x: u32, y: u32) -> Vec3 {
@@ -120,4 +114,14 @@ impl Studio {
         let (width, height) = (self.display.width(), self.display.height());
         image::save_buffer(path, &self.pixels(), width, height, image::ExtendedColorType::Rgba8).unwrap();
     }
+}
+
+/// Radiance of the last frame before the tonemap, rows from the top.
+pub fn radiance_of(renderer: &Renderer) -> Vec<Vec3> {
+    let targets = renderer.targets().expect("a frame was drawn");
+    let bytes = texture::read(renderer.gpu(), &targets.radiance, 8).unwrap();
+    let halves = bytes.chunks_exact(2).map(|pair| texture::single(u16::from_le_bytes([pair[0], pair[1]])));
+    let pre_exposure = renderer.exposed().unwrap().pre_exposure;
+    let values: Vec<f32> = halves.map(|half| half / pre_exposure).collect();
+    values.chunks_exact(4).map(|texel| Vec3::new(texel[0], texel[1], texel[2])).collect()
 }

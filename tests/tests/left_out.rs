@@ -194,7 +194,7 @@ fn cubemaps_are_there_for_probes_that_something_smooth_reads() {
     let Some(gpu) = gpu() else { return };
     let transport = transport();
     let mut scene = plain(&transport);
-    scene.entities.push(mirror(800, DVec3::new(0.5, 0.5, 0.0), 0.6));
+    scene.entities.push(mirror(800, DVec3::new(0.75, 0.5, 0.0), 0.2));
     let mut studio = studio(gpu, &transport, &[]);
     settle(&mut studio, &scene);
     assert_eq!(studio.bytes("cubemaps"), 0);
@@ -215,20 +215,29 @@ fn cubemaps_are_there_for_probes_that_something_smooth_reads() {
 fn a_probe_that_nothing_in_view_reads_waits_and_is_fresh_when_it_is_read() {
     let transport = transport();
     let mut scene = plain(&transport);
-    scene.materials[5].roughness = 0.1;
-    scene.materials[5].metallic = 1.0;
-    scene.entities.push(mirror(800, DVec3::new(0.0, 1.0, 0.75), 0.3));
+    // Walls read no cubemap; a ball of metal does.
+    let walls = scene.entities.iter_mut().filter_map(|entity| entity.mesh.as_mut());
+    walls.for_each(|wall| wall.reflection.probes = Some(Vec::new()));
+    let mut metal = scene.materials[0].clone();
+    (metal.id, metal.metallic, metal.roughness) = (MaterialId(50), 1.0, 0.1);
+    scene.materials.push(metal);
+    let at = DVec3::new(0.0, 1.0, 0.6);
+    let mut shiny = ball(at);
+    shiny.mesh = Some(room::mesh(Shape::Sphere, 50));
+    shiny.transform.scale = DVec3::splat(0.2);
+    scene.entities.extend([shiny, mirror(800, at, 0.3)]);
     let shown = |said: &[(Feature, Forced)]| {
         let mut scene = scene.clone();
         let mut studio = studio(gpu()?, &transport, said);
-        // Towards the far wall, then to the mirror behind, in the light that was changed in between.
+        // Towards the far wall, then to the ball behind, in the light that was changed in between.
+        studio.eye = Eye::looking(DVec3::Y, DVec3::new(0.0, 1.0, -1.0));
         settle(&mut studio, &scene);
         scene.materials[2].emission.color *= 2.0;
         let mut captures = 0;
         for _ in 0..60 {
             captures += studio.draw(&scene, View::Composite).captures;
         }
-        studio.eye = Eye::looking(DVec3::new(0.0, 1.0, -0.9), DVec3::new(0.0, 0.9, 0.9));
+        studio.eye = Eye::looking(DVec3::Y, at);
         let first = studio.draw(&scene, View::Composite).captures;
         Some((captures, first, studio.radiance()))
     };
@@ -253,6 +262,7 @@ fn solved(studio: &Studio, transport: &Transport) -> Transport {
         radiosity: read(&spaces.radiosity, transport.patches.len()),
         receivers: both(&spaces.receivers, transport.receivers.len()),
         probes: both(&spaces.probes, transport.probes.len() * 9),
+        ..Spread::default()
     };
     let mut without = transport.clone();
     without.samples.clear();
@@ -286,7 +296,8 @@ fn light_that_was_solved_takes_no_rows_no_products_and_no_dispatch() {
     let words = ["bounce", "gather", "direct", "correct"];
     assert!(words.iter().all(|word| !compiled(&studio, word)), "{:?}", studio.renderer.gpu().pipelines());
     let found = studio.renderer.solved().unwrap();
-    assert_eq!((found.radiosity.len(), found.probes), (transport.patches.len(), light.probes));
+    assert_eq!(found.radiosity.len(), transport.patches.len());
+    assert!(apart(&found.probes, &light.probes) < 1e-5, "{}", apart(&found.probes, &light.probes));
     // Nothing moves: not even that is dispatched.
     scene.entities.pop();
     for _ in 0..3 {
@@ -310,14 +321,14 @@ fn everything_forced_in_gives_the_same_picture() {
             studio.draw(&scene, View::Composite);
         }
         let last = studio.draw(&scene, View::Composite);
-        let kinds = ["light of probes", "rows of probes", "cubemaps", "coarse correction"];
+        let kinds = ["light of probes", "rows of probes", "cubemaps"];
         let there = kinds.map(|kind| studio.bytes(kind) > 0);
         Some((studio.radiance(), there, last.captures, compiled(&studio, "normal map, mask, blend, unlit")))
     };
     let Some((picture, there, captures, alike)) = shown(&[]) else { return };
-    assert_eq!((there, captures, alike), ([false; 4], 0, false));
+    assert_eq!((there, captures, alike), ([false; 3], 0, false));
     let (forced, there, captures, alike) = shown(&all).expect("a GPU");
-    assert!(there[..3] == [true; 3] && captures == 6 && alike, "{there:?} {captures}");
+    assert!(there == [true; 3] && captures == 6 && alike, "{there:?} {captures}");
     assert!(apart(&forced, &picture) < 1e-3, "{}", apart(&forced, &picture));
 }
 

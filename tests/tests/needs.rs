@@ -218,6 +218,12 @@ fn an_unknown_feature_is_refused_by_file_and_the_known_ones_are_listed() {
 
 // ---- any edits
 
+/// Nothing but the materials that edits paint with.
+fn palette() -> Scene {
+    let material = |id| Material { id: MaterialId(id), name: format!("m{id}"), ..Material::default() };
+    Scene { materials: (0..5).map(material).collect(), ..Scene::default() }
+}
+
 /// One edit of a scene, by its number and what it is told.
 fn edit(scene: &mut Scene, what: u8, which: usize, changes: Changes) {
     let id = scene.free_entity_id();
@@ -327,7 +333,7 @@ proptest! {
 
     #[test]
     fn after_any_edits_the_needs_are_those_of_a_fresh_look_and_no_omission_is_stale(edits in edits()) {
-        let mut scene = Scene::default();
+        let mut scene = palette();
         for (what, which, changes) in edits {
             let was = scene.clone();
             edit(&mut scene, what, which, changes);
@@ -347,7 +353,7 @@ proptest! {
 
     #[test]
     fn what_is_forced_is_so_whatever_the_scene_and_nothing_else_is(edits in edits(), which in 0_usize..16, way in 0_u8..2) {
-        let mut scene = Scene::default();
+        let mut scene = palette();
         edits.into_iter().for_each(|(what, which, changes)| edit(&mut scene, what, which, changes));
         let assets = assets_of(&scene);
         let (feature, says) = (Feature::ALL[which], [Forced::In, Forced::Out][usize::from(way)]);

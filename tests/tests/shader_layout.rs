@@ -60,7 +60,7 @@ macro_rules! fields {
 #[test]
 fn frame() {
     let fields = fields!(FrameUniform: clip_from_world, eye, forward, time, right, exposure, up, view,
-        cascade_ends, cascade_texels, eye_depth, encode, pre_exposure, curve, capture, light_unit);
+        cascade_ends, cascade_texels, eye_depth, encode, pre_exposure, curve, capture, light_unit, directional);
     compare(shaders::SURFACE, "Frame", fields, size_of::<FrameUniform>());
 }
 

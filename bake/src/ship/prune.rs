@@ -17,9 +17,9 @@ pub fn patches(transport: &mut Transport, sources: &Sources, dark: &[bool]) -> b
     let of = |rows: &Rows| mapped(rows, |row| kept(rows, row));
     let own = &transport.patch_from_patch;
     let patch_from_patch = mapped(own, |row| if dark[row] { Vec::new() } else { kept(own, row) });
-    let rows = [patch_from_patch, of(&transport.receiver_from_patch), of(&transport.probe_from_patch)];
-    let before = [own, &transport.receiver_from_patch, &transport.probe_from_patch];
-    let is_less = rows.iter().zip(before).any(|(rows, before)| rows.entries() < before.entries());
+    let [_, receiver, probe, directional] = all(transport);
+    let rows = [patch_from_patch, of(receiver), of(probe), of(directional)];
+    let is_less = rows.iter().zip(all(transport)).any(|(rows, before)| rows.entries() < before.entries());
     if !is_less || !is_limited_alike(transport, &rows[0], sources, dark) {
         return false;
     }
@@ -81,12 +81,17 @@ fn towards_zero(sum: f64) -> f32 {
     }
 }
 
-fn all(transport: &Transport) -> [&Rows; 3] {
-    [&transport.patch_from_patch, &transport.receiver_from_patch, &transport.probe_from_patch]
+fn all(transport: &Transport) -> [&Rows; 4] {
+    let Transport { patch_from_patch, receiver_from_patch, probe_from_patch, directional_from_patch, .. } =
+        transport;
+    [patch_from_patch, receiver_from_patch, probe_from_patch, directional_from_patch]
 }
 
-fn put(transport: &mut Transport, rows: [Rows; 3]) {
-    [transport.patch_from_patch, transport.receiver_from_patch, transport.probe_from_patch] = rows;
+fn put(transport: &mut Transport, [patch, receiver, probe, directional]: [Rows; 4]) {
+    transport.patch_from_patch = patch;
+    transport.receiver_from_patch = receiver;
+    transport.probe_from_patch = probe;
+    transport.directional_from_patch = directional;
 }
 
 fn mapped(rows: &Rows, row: impl Fn(usize) -> Vec<(u32, f32)>) -> Rows {

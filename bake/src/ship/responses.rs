@@ -68,6 +68,7 @@ pub fn light_of(
         radiosity: light(b),
         receivers: both(&transport.receiver_from_patch),
         probes: both(&transport.probe_from_patch),
+        directional: both(&transport.directional_from_patch),
     }
 }
 

@@ -86,7 +86,12 @@ impl<'a> Statistics<'a> {
 /// ```
 fn of_renderer(renderer: &Renderer, world: &World) -> Map<String, Value> {
     let transport = renderer.transport();
-    let rows = [&transport.patch_from_patch, &transport.receiver_from_patch, &transport.probe_from_patch];
+    let rows = [
+        &transport.patch_from_patch,
+        &transport.receiver_from_patch,
+        &transport.probe_from_patch,
+        &transport.directional_from_patch,
+    ];
     let passes: Map<String, Value> = renderer
         .timer
         .summary()

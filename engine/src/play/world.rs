@@ -1,6 +1,6 @@
 //! What is played: a scene with its assets and its bake, and where everything is at a time.
 
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use crate::scene::assets::{Assets, ClipSource};
 use crate::scene::import::load_assets;
 use crate::scene::motion::moved;
 use crate::scene::transform::world_from_local_of;
-use crate::scene::{Changes, Entity, Motion, Scene, Warning, file};
+use crate::scene::{Changes, Entity, Feature, Forced, Motion, Scene, Warning, file};
 use crate::transport::needs::{Needs, needs_in_play};
 use crate::transport::{self, Transport};
 
@@ -32,6 +32,8 @@ pub struct World {
     pub unlimited_gain: bool,
     /// Of baked reflection probes, on disk.
     pub cubemaps: Cubemaps,
+    /// What the author says of features, whatever their rules find.
+    forced: BTreeMap<Feature, Forced>,
     /// By entity: whether its light is on, as authored and as it was switched by hand.
     lit: Vec<bool>,
     /// Metres across all that is drawn at the start.
@@ -77,6 +79,7 @@ impl World {
             transport,
             needs,
             features: Asked::new(&settings.features),
+            forced: settings.features,
             left_out,
             unlimited_gain,
             cubemaps,
@@ -94,6 +97,7 @@ impl World {
             entity.mesh = entity.mesh.take().filter(|_| entity.is_static);
             entity.light.iter_mut().for_each(|light| light.switching = None);
         }
+        self.needs = needs_in_play(&self.scene, &self.assets, &self.transport, &self.forced);
         self.left_out.push("all that moves: asked for by --still".to_owned());
     }
 

@@ -33,6 +33,8 @@ pub struct Solved {
     pub radiosity: Vec<Vec3>,
     /// By receiver, without what comes straight from punctual lights.
     pub irradiance: Vec<Vec3>,
+    /// Three for each receiver that has directional terms ([`crate::transport::directional`]).
+    pub directional: Vec<Vec3>,
     /// Nine coefficients a probe [W/m2/sr]; none where nothing reads probes.
     pub probes: Vec<Vec3>,
 }
@@ -106,7 +108,10 @@ impl Renderer {
             let both = read(emitted, count, 1.0)?.into_iter().zip(read(bounced, count, 1.0)?);
             Ok(both.map(|(emitted, bounced)| emitted + bounced).collect())
         };
-        let patches = spaces.patch_count as usize;
+        let (patches, receivers) = (spaces.patch_count as usize, spaces.receiver_count as usize);
+        let terms = self.transport.directional_terms();
+        let first = spaces.directional as usize;
+        let arrived = sum(&spaces.receivers, receivers.max(first + terms))?;
         let probes =
             if self.probes_current && spaces.has_probes() { 9 * spaces.probe_count as usize } else { 0 };
         Ok(Solved {
@@ -116,7 +121,8 @@ impl Renderer {
             } else {
                 read(&spaces.radiosity, self.transport.columns(), unit)?
             },
-            irradiance: sum(&spaces.receivers, spaces.receiver_count as usize)?,
+            irradiance: arrived[..receivers].to_vec(),
+            directional: arrived[first..][..terms].to_vec(),
             probes: sum(&spaces.probes, probes)?,
         })
     }
@@ -188,6 +194,9 @@ impl Renderer {
         left_out.extend(self.shadows.left_out());
         if self.transport.sky_patches == 0 {
             left_out.push("sky patches: no sky".to_owned());
+        }
+        if self.transport.directional_receivers() == 0 {
+            left_out.push("directional terms: no normal map on a baked surface".to_owned());
         }
         if !self.instances.any_moving() {
             left_out.push("light probes: nothing moves".to_owned());

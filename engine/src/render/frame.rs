@@ -119,7 +119,8 @@ pub struct FrameUniform {
     pub curve: u32,
     pub capture: u32,
     pub light_unit: f32,
-    pub padding: [u32; 2],
+    pub directional: u32,
+    pub padding: u32,
 }
 
 /// Read back by those who ask how a picture was exposed.
@@ -208,7 +209,10 @@ impl Renderer {
         let row_layout = layout_of_rows(&asked);
         let paged = |what, rows| PagedRows::new(gpu_ref, page, what, (rows, transport.columns()), row_layout);
         let patch_rows = paged("patch", &transport.patch_from_patch)?;
-        let receiver_rows = paged("receiver", &transport.receiver_from_patch)?;
+        let read_rows = [
+            paged("receiver", &transport.receiver_from_patch)?,
+            paged("directional", &transport.directional_from_patch)?,
+        ];
         let spaces = Spaces::new(gpu_ref, &transport)?;
         let occluders = Occluders::new(&transport);
         let mut pictures = Pictures::new(gpu_ref, compiler);
@@ -236,7 +240,7 @@ impl Renderer {
             ),
             bounce: Bounce::new(gpu_ref, compiler, page, patch_rows, summed, &spaces),
             coarse: Coarse::new(gpu_ref, compiler, &spaces),
-            gather: Gather::new(gpu_ref, compiler, [frame_layout, page], receiver_rows, summed, &spaces),
+            gather: Gather::new(gpu_ref, compiler, [frame_layout, page], read_rows, summed, &spaces),
             rescale: Rescale::new(gpu_ref, compiler, &spaces),
             dering: Dering::new(gpu_ref, compiler, &spaces),
             objects: Objects::new(gpu_ref, compiler, transport.clone(), &spaces),
@@ -379,7 +383,8 @@ impl Renderer {
             curve: tonemap::curve_of(now.view, now.eye.tonemap),
             capture: 0,
             light_unit: self.sources.unit(),
-            padding: [0; 2],
+            directional: self.spaces.directional,
+            padding: 0,
         };
         gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
         uniform

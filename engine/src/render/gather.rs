@@ -1,4 +1,5 @@
-//! The gather: what arrives at receivers and light probes, from what is emitted and from what bounced.
+//! The gather: what arrives at receivers and light probes, from what is emitted and from what bounced; and what tilts it
+//! towards the normals of normal maps, where there are any ([`crate::transport::directional`]).
 
 use std::sync::Arc;
 
@@ -35,10 +36,13 @@ pub struct Gather {
     mean: Compute,
     summed: Summed,
     receiver_rows: PagedRows,
+    directional_rows: PagedRows,
     layout: wgpu::BindGroupLayout,
     page_layout: wgpu::BindGroupLayout,
     /// By source.
     receivers: [wgpu::BindGroup; 2],
+    /// `None` where there are no directional rows.
+    directional: Option<[wgpu::BindGroup; 2]>,
     mean_own: wgpu::BindGroup,
     /// While somebody reads them.
     probes: Option<OfProbes>,
@@ -57,7 +61,7 @@ impl Gather {
         gpu: &Gpu,
         compiler: &Arc<Compiler>,
         [frame_layout, page_layout]: [&wgpu::BindGroupLayout; 2],
-        receiver_rows: PagedRows,
+        [receiver_rows, directional_rows]: [PagedRows; 2],
         summed: Summed,
         spaces: &Spaces,
     ) -> Self {
@@ -79,8 +83,11 @@ impl Gather {
             mean: Compute::new(compiler, shaders::MEAN, &groups_of_mean),
             summed,
             receivers: groups(gpu, &layout, sources, &spaces.receivers),
+            directional: (!directional_rows.is_empty())
+                .then(|| groups_from(gpu, &layout, sources, (&spaces.receivers, spaces.directional))),
             mean_own: pass::buffers(gpu, "mean", &mean_layout, &[&uniform]),
             receiver_rows,
+            directional_rows,
             probes: None,
             page_layout: page_layout.clone(),
             layout,
@@ -127,7 +134,9 @@ impl Gather {
 
     /// Of the rows of receivers, and of probes.
     pub fn bytes(&self) -> [u64; 2] {
-        [self.receiver_rows.bytes, self.probes.as_ref().map_or(0, |probes| probes.rows.bytes)]
+        let directional = if self.directional.is_some() { self.directional_rows.bytes } else { 0 };
+        let receivers = self.receiver_rows.bytes + directional;
+        [receivers, self.probes.as_ref().map_or(0, |probes| probes.rows.bytes)]
     }
 
     /// Returns the dispatches.
@@ -157,6 +166,12 @@ impl Gather {
             pass.set_bind_group(2, &self.receivers[which], &[]);
             dispatches += self.receiver_rows.dispatch(&mut pass, self.summed);
         }
+        if let Some(directional) = &self.directional
+            && self.pipelines.set(&mut pass, entry, self.directional_rows.defines())
+        {
+            pass.set_bind_group(2, &directional[which], &[]);
+            dispatches += self.directional_rows.dispatch(&mut pass, self.summed);
+        }
         let Some(probes) = &self.probes else { return dispatches };
         if self.pipelines.set(&mut pass, entry, probes.rows.defines()) {
             pass.set_bind_group(2, &probes.groups[which], &[]);
@@ -179,5 +194,20 @@ fn groups(
     from: [&wgpu::Buffer; 2],
     to: &[wgpu::Buffer; 2],
 ) -> [wgpu::BindGroup; 2] {
-    [0, 1].map(|source| pass::buffers(gpu, "gather", layout, &[from[source], &to[source]]))
+    groups_from(gpu, layout, from, (to, 0))
+}
+
+/// Written from an element on.
+fn groups_from(
+    gpu: &Gpu,
+    layout: &wgpu::BindGroupLayout,
+    from: [&wgpu::Buffer; 2],
+    (to, first): (&[wgpu::Buffer; 2], u32),
+) -> [wgpu::BindGroup; 2] {
+    [0, 1].map(|source| {
+        let buffer = &to[source];
+        let written = wgpu::BufferBinding { buffer, offset: u64::from(first) * 16, size: None };
+        let resources = [from[source].as_entire_binding(), wgpu::BindingResource::Buffer(written)];
+        pass::group(gpu, "gather", layout, &resources)
+    })
 }

@@ -39,6 +39,8 @@ pub struct Draw {
     pub material: usize,
     pub pass: Pass,
     pub double_sided: bool,
+    /// A normal map tilts what arrives: each pixel asks for the light of its own normal.
+    pub bumped: bool,
     pub mirrored: bool,
     /// Seen by the camera, and by lights.
     pub shown: bool,
@@ -68,6 +70,8 @@ pub struct Instances {
     baked: HashSet<EntityId>,
     /// Sphere about each batch of the baked surface.
     batches: Vec<(Vec3, f32)>,
+    /// Likewise: has it directional terms?
+    directional: Vec<bool>,
 }
 
 impl Instances {
@@ -90,6 +94,7 @@ impl Instances {
             index_of: HashMap::new(),
             baked: surface.batches.iter().map(Batch::entity).collect(),
             batches,
+            directional: surface.batches.iter().map(|batch| transport.is_directional(batch)).collect(),
         }
     }
 
@@ -143,7 +148,8 @@ impl Instances {
     }
 
     fn place_batches(&mut self, now: &Now<'_>, transport: &Transport, materials: &Materials) {
-        for (batch, &(centre, radius)) in transport.surface.batches.iter().zip(&self.batches) {
+        let batches = transport.surface.batches.iter().zip(&self.batches).zip(&self.directional);
+        for ((batch, &(centre, radius)), &directional) in batches {
             let entity = self.index_of.get(&batch.entity()).copied();
             let placed =
                 entity.filter(|&entity| now.scene.entities[entity].is_static && !self.hidden[entity]);
@@ -158,6 +164,7 @@ impl Instances {
                 material,
                 pass: pass_of(materials, material),
                 double_sided: batch.double_sided == 1,
+                bumped: directional && materials.material(material).normal_texture.is_some(),
                 mirrored: false,
                 shown,
                 casts: renderer.is_some_and(|renderer| renderer.casts_shadows),
@@ -205,6 +212,7 @@ impl Instances {
                 material,
                 pass: pass_of(materials, material),
                 double_sided: materials.material(material).double_sided,
+                bumped: materials.material(material).normal_texture.is_some(),
                 mirrored,
                 shown: true,
                 casts: renderer.casts_shadows,

@@ -115,9 +115,9 @@ fn upload(gpu: &Gpu, picture: &Picture, encoding: Encoding) -> Option<wgpu::Text
 
 /// What is drawn into.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
-struct Into(wgpu::TextureFormat);
+struct Target(wgpu::TextureFormat);
 
-impl Variant for Into {
+impl Variant for Target {
     fn name(&self) -> String {
         "mipmap".to_owned()
     }
@@ -127,7 +127,7 @@ impl Variant for Into {
 struct Shrink {
     layout: wgpu::BindGroupLayout,
     sampler: wgpu::Sampler,
-    pipelines: Pipelines<Into, wgpu::RenderPipeline>,
+    pipelines: Pipelines<Target, wgpu::RenderPipeline>,
 }
 
 impl Shrink {
@@ -150,7 +150,7 @@ impl Shrink {
 
     fn all_levels(&self, gpu: &Gpu, texture: &wgpu::Texture) {
         let format = texture.format();
-        let made = self.pipelines.get(Into(format), |gpu, module| {
+        let made = self.pipelines.get(Target(format), |gpu, module| {
             let layout = pass::pipeline_layout(gpu, &[None, None, None, Some(&self.layout)]);
             pass::over_picture(gpu, module, "smaller", &layout, format)
         });

@@ -61,6 +61,9 @@ struct Tree {
     mesh: Option<(usize, Arc<Mesh>)>,
 }
 
+/// In place of a share: rays see no pictures.
+const ASK_THE_MAP: f32 = -1.0;
+
 pub struct Rays {
     /// The static surface, then meshes.
     trees: Vec<Tree>,
@@ -72,6 +75,8 @@ pub struct Rays {
     group: wgpu::BindGroup,
     bound: [u64; 2],
     offset: f32,
+    /// Something casts whose holes only maps know.
+    asks_maps: bool,
 }
 
 impl Rays {
@@ -105,11 +110,17 @@ impl Rays {
             count,
             bound: [0; 2],
             offset: occluders.bvh().offset(),
+            asks_maps: false,
         })
     }
 
     pub fn group(&self) -> &wgpu::BindGroup {
         &self.group
+    }
+
+    /// Whether some rays end at maps: those that meet something with holes.
+    pub fn asks_maps(&self) -> bool {
+        self.asks_maps
     }
 
     pub fn bytes(&self) -> u64 {
@@ -131,11 +142,12 @@ impl Rays {
             let shares = things.iter().map(|draw| stops_light(draw, casters));
             let instance = &casters.instances.buffer.items()[things[0].instance as usize];
             let blocker = self.moving_blocker(&things[0], instance, stops.len() as u32);
-            if let Some(blocker) = blocker.filter(|_| shares.clone().any(|share| share > 0.0)) {
+            if let Some(blocker) = blocker.filter(|_| shares.clone().any(|share| share != 0.0)) {
                 blockers.push(blocker);
                 stops.extend(shares);
             }
         }
+        self.asks_maps = stops.contains(&ASK_THE_MAP);
         let count = CountUniform { blockers: blockers.len() as u32, offset: self.offset, padding: [0; 2] };
         let mut changed = self.blockers.write(gpu, &blockers);
         changed |= self.stops.write(gpu, &stops);
@@ -261,13 +273,15 @@ fn still_blocker(tree: &Tree) -> Blocker {
     }
 }
 
-/// The share of light that a draw's triangles stop. A blended surface lets through what it does not cover; where its
-/// picture has holes, rays do not see them.
+/// The share of light that a draw's triangles stop; [`ASK_THE_MAP`] where a picture says where they have holes.
 fn stops_light(draw: &Draw, casters: &Casters<'_>) -> f32 {
+    let material = casters.materials.material(draw.material);
     match (draw.casts, draw.pass) {
         (false, _) => 0.0,
-        (true, Pass::Opaque | Pass::Mask) => 1.0,
-        (true, Pass::Blend) => casters.materials.material(draw.material).opacity.clamp(0.0, 1.0),
+        (true, Pass::Opaque) => 1.0,
+        (true, _) if material.albedo.texture.is_some() => ASK_THE_MAP,
+        (true, Pass::Mask) => 1.0,
+        (true, Pass::Blend) => material.opacity.clamp(0.0, 1.0),
     }
 }
 

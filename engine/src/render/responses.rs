@@ -29,8 +29,10 @@ impl Responses {
     }
 
     fn upload(&self, gpu: &Gpu, spaces: &Spaces, probes_read: bool) {
-        let Spread { receivers, probes, .. } = &self.spread;
-        spaces.receivers.iter().zip(receivers).for_each(|(buffer, light)| spaces.fill(gpu, buffer, light));
+        let Spread { receivers, probes, directional, .. } = &self.spread;
+        for (which, (light, terms)) in receivers.iter().zip(directional).enumerate() {
+            spaces.fill_receivers(gpu, which, light, terms);
+        }
         if probes_read {
             spaces.probes.iter().zip(probes).for_each(|(buffer, light)| spaces.fill(gpu, buffer, light));
         }

@@ -8,7 +8,7 @@ use crate::gpu::shader::{Library, Source};
 use crate::gpu::{Gpu, GpuError};
 
 /// Files that others import; each stands behind those that it imports itself.
-pub const IMPORTED: [Source; 10] = [
+pub const IMPORTED: [Source; 11] = [
     Source { name: "frame", text: include_str!("../../../shaders/frame.wgsl") },
     Source { name: "scene/mesh", text: include_str!("../../../shaders/scene/mesh.wgsl") },
     Source { name: "scene/material", text: include_str!("../../../shaders/scene/material.wgsl") },
@@ -20,6 +20,10 @@ pub const IMPORTED: [Source; 10] = [
         text: include_str!("../../../shaders/transport/solid_angle.wgsl"),
     },
     Source { name: "transport/rows", text: include_str!("../../../shaders/transport/rows.wgsl") },
+    Source {
+        name: "transport/directional",
+        text: include_str!("../../../shaders/transport/directional.wgsl"),
+    },
     Source { name: "transport/sh", text: include_str!("../../../shaders/transport/sh.wgsl") },
     Source { name: "scene/reflection", text: include_str!("../../../shaders/scene/reflection.wgsl") },
 ];

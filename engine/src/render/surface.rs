@@ -97,6 +97,7 @@ pub fn bind_mesh(
 struct Variant {
     moving: bool,
     blend: bool,
+    bumped: bool,
     cull: Option<wgpu::Face>,
     samples: u32,
     mirrored: bool,
@@ -257,26 +258,35 @@ impl Surfaces {
         let Some((_, light)) = &self.light else { return 0 };
         pass.set_bind_group(0, look.frame, &[]);
         pass.set_bind_group(1, scenery.scene, &[]);
+        let mut draws = 0;
         for &index in &self.order {
             let draw = &scenery.instances.draws[index];
-            let variant = Variant {
-                moving: draw.mesh.is_some(),
-                blend: which.blended,
-                cull: culled(draw),
-                samples: look.samples,
-                mirrored: look.mirrored,
-                parts: scenery.variants.of(scenery.materials.material(draw.material)),
-            };
-            let made =
-                self.pipelines.get(variant, |gpu, module| pipeline(gpu, module, &self.layout, variant));
-            let Some(pipeline) = made else { continue };
-            pass.set_pipeline(&pipeline);
-            pass.set_bind_group(2, light, &[Reflections::offset(index)]);
-            pass.set_bind_group(3, scenery.materials.group(draw.material), &[]);
-            bind_mesh(pass, draw, scenery.still, scenery.meshes, scenery.instances, true);
-            pass.draw_indexed(draw.indices.clone(), 0, 0..1);
+            for side in sides(draw) {
+                let parts = scenery.variants.of(scenery.materials.material(draw.material));
+                let variant = Variant {
+                    moving: draw.mesh.is_some(),
+                    blend: which.blended,
+                    bumped: draw.bumped && parts.normal_map,
+                    cull: culled(draw, side),
+                    samples: look.samples,
+                    mirrored: look.mirrored,
+                    parts,
+                };
+                let made =
+                    self.pipelines.get(variant, |gpu, module| pipeline(gpu, module, &self.layout, variant));
+                let Some(pipeline) = made else { continue };
+                pass.set_pipeline(&pipeline);
+                pass.set_bind_group(2, light, &[Reflections::offset(index)]);
+                pass.set_bind_group(3, scenery.materials.group(draw.material), &[]);
+                bind_mesh(pass, draw, scenery.still, scenery.meshes, scenery.instances, true);
+                if *side == Side::Back {
+                    pass.set_vertex_buffer(1, scenery.still.back_blends.slice(..));
+                }
+                pass.draw_indexed(draw.indices.clone(), 0, 0..1);
+                draws += 1;
+            }
         }
-        self.order.len() as u32
+        draws
     }
 
     /// Opaque ones from front to back, so that little is drawn over; blended ones from back to front.
@@ -308,11 +318,38 @@ impl Variants {
     }
 }
 
-fn culled(draw: &Draw) -> Option<wgpu::Face> {
-    match (draw.double_sided, draw.mirrored) {
-        (true, _) => None,
-        (false, false) => Some(wgpu::Face::Back),
-        (false, true) => Some(wgpu::Face::Front),
+/// What of a surface is drawn at once.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Side {
+    /// All that is seen of it.
+    Any,
+    Front,
+    Back,
+}
+
+/// Directional terms are many: those of one side at once pass from vertices to pixels.
+fn sides(draw: &Draw) -> &'static [Side] {
+    let each = draw.bumped && draw.double_sided && draw.mesh.is_none();
+    if each { &[Side::Back, Side::Front] } else { &[Side::Any] }
+}
+
+fn culled(draw: &Draw, side: &Side) -> Option<wgpu::Face> {
+    match (side, draw.double_sided, draw.mirrored) {
+        (Side::Front, ..) => Some(wgpu::Face::Back),
+        (Side::Back, ..) => Some(wgpu::Face::Front),
+        (Side::Any, true, _) => None,
+        (Side::Any, false, false) => Some(wgpu::Face::Back),
+        (Side::Any, false, true) => Some(wgpu::Face::Front),
+    }
+}
+
+/// Of vertices and of pixels.
+fn entries(variant: Variant) -> [&'static str; 2] {
+    match (variant.moving, variant.bumped) {
+        (false, false) => ["still", "shade"],
+        (false, true) => ["still_bumped", "shade_bumped"],
+        (true, false) => ["moving", "shade"],
+        (true, true) => ["moving_bumped", "shade_moving_bumped"],
     }
 }
 
@@ -322,12 +359,13 @@ fn pipeline(
     layout: &wgpu::PipelineLayout,
     variant: Variant,
 ) -> wgpu::RenderPipeline {
+    let [vertex, fragment] = entries(variant);
     gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("surface"),
         layout: Some(layout),
         vertex: wgpu::VertexState {
             module,
-            entry_point: Some(if variant.moving { "moving" } else { "still" }),
+            entry_point: Some(vertex),
             compilation_options: Default::default(),
             buffers: vertex_layouts(variant.moving, true),
         },
@@ -340,7 +378,7 @@ fn pipeline(
         multisample: wgpu::MultisampleState { count: variant.samples, ..Default::default() },
         fragment: Some(wgpu::FragmentState {
             module,
-            entry_point: Some("shade"),
+            entry_point: Some(fragment),
             compilation_options: Default::default(),
             targets: &[Some(wgpu::ColorTargetState {
                 format: targets::RADIANCE,

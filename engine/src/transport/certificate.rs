@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::directional;
 use super::key::Input;
 use super::needs::Needs;
 
@@ -25,6 +26,11 @@ pub struct Certificate {
     pub triangles: usize,
     /// Entries of patch, receiver and probe rows.
     pub entries: [usize; 3],
+    /// Receivers with directional terms, and the entries of their rows.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub directional_receivers: usize,
+    #[serde(skip_serializing_if = "is_zero")]
+    pub directional_entries: usize,
     /// Traced for what is now in the file, and of those in this run.
     pub rays: u64,
     pub rays_traced: u64,
@@ -48,6 +54,8 @@ pub struct Certificate {
     pub receiver_sum_excess: f64,
     /// max over probes of the constant coefficient beyond that of the whole sphere, relative.
     pub probe_sum_excess: f64,
+    /// max over directional rows of the sum of their sizes beyond [`directional::MOST`]; never above 0.
+    pub directional_sum_excess: f64,
     /// The share of all light, under the scene's own emitters and a white sky, that appears or vanishes.
     pub energy_defect: f64,
     /// Area mean of the share of light that is lost on back faces.
@@ -69,6 +77,10 @@ pub struct Certificate {
     pub warnings: Vec<String>,
 }
 
+fn is_zero(count: &usize) -> bool {
+    *count == 0
+}
+
 /// One line of [`Certificate::statements`].
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Statement {
@@ -82,7 +94,7 @@ impl Certificate {
     /// What `check` checks, and what a bake must hold to be loaded. A NaN never holds.
     pub fn statements(&self) -> Vec<Statement> {
         let at_most = |what, value: f64, limit: f64| Statement { what, value, limit, holds: value <= limit };
-        vec![
+        let mut statements = vec![
             at_most("row sums miss their targets by", self.row_sum_defect, 2e-7),
             at_most("row sums exceed their targets by", self.row_sum_excess, 0.0),
             at_most("receivers' row sums exceed 1 by", self.receiver_sum_excess, 0.0),
@@ -91,7 +103,13 @@ impl Certificate {
             at_most("least entry, negated", -self.least_entry, 0.0),
             at_most("share of light that appears or vanishes", self.energy_defect, 1e-4),
             at_most("cavity gain", self.cavity_gain, if self.unlimited_gain { f64::MAX } else { 1.1e4 }),
-        ]
+        ];
+        if self.directional_receivers > 0 {
+            // Stored in 11 bits: as much as rounding adds.
+            let what = "directional terms exceed all light by";
+            statements.push(at_most(what, self.directional_sum_excess, directional::MOST / 2048.0));
+        }
+        statements
     }
 
     pub fn holds(&self) -> bool {

@@ -303,4 +303,27 @@ mod tests {
         transport.solved = None;
         assert!(transport.validate().is_err(), "rows are missing, and nothing stands for them");
     }
+
+    #[test]
+    fn directional_rows_come_back_and_without_them_there_is_no_section() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("light");
+        let has_section = || {
+            let bytes = std::fs::read(&path).unwrap();
+            bytes.windows(b"directional.".len()).any(|word| word == b"directional.")
+        };
+        let mut transport = transport(1.0 / 64.0);
+        save(&path, &transport).unwrap();
+        let without = transport.hash();
+        assert!(!has_section() && load(&path).unwrap().directional_from_patch.is_empty());
+        (0..6).for_each(|k| transport.directional_from_patch.push([(k, 0.25), (9, -0.5)]));
+        save(&path, &transport).unwrap();
+        let loaded = load(&path).unwrap();
+        assert!(has_section() && loaded.directional_from_patch == transport.directional_from_patch);
+        assert_eq!((loaded.directional_receivers(), loaded.hash()), (2, transport.hash()));
+        assert_ne!(transport.hash(), without, "the transport hash covers them");
+        transport.directional_from_patch.push([(0, 0.25)]);
+        save(&path, &transport).unwrap();
+        assert!(load(&path).unwrap_err().to_string().contains("directional rows"));
+    }
 }

@@ -7,6 +7,7 @@ use std::collections::{BTreeMap, HashMap};
 use glam::DAffine3;
 use serde::{Deserialize, Serialize};
 
+use super::directional::any_directional;
 use super::needs::as_baked;
 use crate::scene::assets::{Assets, Picture, Pixels};
 use crate::scene::file::Quality;
@@ -28,6 +29,8 @@ pub struct BakeWith {
 /// Counts up whenever the same input bakes to other bytes. 5: cuts along what stands a
 /// little off; weights of receivers and probes that four bytes hold; origins at halves of the grid.
 const METHOD: u32 = 5;
+/// Likewise for scenes with normal maps on static surfaces, and for no others.
+const DIRECTIONAL_METHOD: u32 = 1;
 
 /// One thing that a bake was made of.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -63,7 +66,10 @@ pub fn inputs(
 ) -> Vec<Input> {
     let scene = &as_baked(scene, assets, forced);
     let mut contents = Contents { assets, meshes: HashMap::new(), pictures: HashMap::new() };
-    let method = format!("{:?}", (METHOD, with.rays, with.length.to_bits()));
+    let mut method = format!("{:?}", (METHOD, with.rays, with.length.to_bits()));
+    if any_directional(scene) {
+        method += &format!("{DIRECTIONAL_METHOD}");
+    }
     let mut inputs = vec![
         general(What::Method, "how it is baked", &method),
         general(What::Sky, "the sky", &format!("{}", scene.sky.kind != SkyKind::None)),

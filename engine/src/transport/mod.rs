@@ -7,6 +7,7 @@
 //! B = E + rho * (P B)     patch_from_patch       radiosity leaving patches [W/m2]
 //! H = G B                 receiver_from_patch    irradiance arriving at receivers [W/m2]
 //! L = Q B                 probe_from_patch       SH coefficients of incoming radiance [W/m2/sr]
+//! V = D B                 directional_from_patch what tilts H towards a normal map's normals [W/m2]
 //! ```
 //! with E_i = M_i + rho_i H_dir,i: M the emitted exitance, H_dir the irradiance from punctual lights, rho the
 //! albedo. P_ij is the share of light from patch i's surface that arrives at patch j,
@@ -23,6 +24,7 @@ pub mod certificate;
 pub mod depths;
 pub mod dering;
 pub mod direct;
+pub mod directional;
 pub mod file;
 pub mod key;
 pub mod materials;
@@ -86,6 +88,9 @@ pub struct Transport {
     /// Nine rows a probe, (0,0), (1,-1) .. (2,2), columns as above; takes radiosity (sky: pi * radiance) to
     /// SH coefficients of incoming radiance, 1/pi included.
     pub probe_from_patch: Rows,
+    /// Three rows for each of the first receivers, those that surfaces with a normal map blend: [`directional`].
+    /// Columns as above. Empty where no static surface has one.
+    pub directional_from_patch: Rows,
     /// Patch rows are nearly full: the file has their weights alone, row after row, and so may the GPU.
     pub dense: bool,
     /// The light itself, where it was solved at the bake: there are no rows then, and no samples.
@@ -226,6 +231,12 @@ impl Transport {
             ("patch", &self.patch_from_patch, has(patches), true),
             ("receiver", &self.receiver_from_patch, has(self.receivers.len()), true),
             ("probe", &self.probe_from_patch, has(self.probes.len() * 9), false),
+            (
+                "directional",
+                &self.directional_from_patch,
+                has(self.directional_receivers() * directional::AXES),
+                false,
+            ),
         ];
         for (what, rows, count, shares) in rows {
             rows.validate(count, self.columns(), shares).map_err(|error| format!("{what} rows: {error}"))?;

@@ -14,6 +14,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use super::Transport;
+use super::directional::AXES;
 use super::sh::COEFFICIENTS;
 use crate::scene::{EntityId, MaterialId, Scene, Sky, SkyKind};
 
@@ -43,6 +44,8 @@ pub struct Spread {
     pub receivers: [Vec<Vec3>; 2],
     /// Nine coefficients a probe, likewise [W/m2/sr].
     pub probes: [Vec<Vec3>; 2],
+    /// Three directional terms for each of the first receivers, likewise [W/m2].
+    pub directional: [Vec<Vec3>; 2],
 }
 
 /// What a source comes to at intensity 1.
@@ -93,24 +96,32 @@ impl Solved {
 }
 
 impl Spread {
-    /// Radiosity, receivers, probes: in the order of [`Self::NAMES`].
-    pub fn arrays(&self) -> [&Vec<Vec3>; 5] {
-        let ([a, b], [c, d]) = (&self.receivers, &self.probes);
-        [&self.radiosity, a, b, c, d]
+    /// Radiosity, receivers, probes, directional terms: in the order of [`Self::NAMES`].
+    pub fn arrays(&self) -> [&Vec<Vec3>; 7] {
+        let ([a, b], [c, d], [e, f]) = (&self.receivers, &self.probes, &self.directional);
+        [&self.radiosity, a, b, c, d, e, f]
     }
 
-    pub fn arrays_mut(&mut self) -> [&mut Vec<Vec3>; 5] {
-        let ([a, b], [c, d]) = (&mut self.receivers, &mut self.probes);
-        [&mut self.radiosity, a, b, c, d]
+    pub fn arrays_mut(&mut self) -> [&mut Vec<Vec3>; 7] {
+        let ([a, b], [c, d], [e, f]) = (&mut self.receivers, &mut self.probes, &mut self.directional);
+        [&mut self.radiosity, a, b, c, d, e, f]
     }
 
-    pub const NAMES: [&str; 5] =
-        ["radiosity", "receivers.emitted", "receivers.bounced", "probes.emitted", "probes.bounced"];
+    pub const NAMES: [&str; 7] = [
+        "radiosity",
+        "receivers.emitted",
+        "receivers.bounced",
+        "probes.emitted",
+        "probes.bounced",
+        "directional.emitted",
+        "directional.bounced",
+    ];
 
     /// Of the arrays, where they are not empty.
-    pub fn lengths(transport: &Transport) -> [usize; 5] {
+    pub fn lengths(transport: &Transport) -> [usize; 7] {
         let (receivers, probes) = (transport.receivers.len(), transport.probes.len() * COEFFICIENTS);
-        [transport.patches.len(), receivers, receivers, probes, probes]
+        let terms = transport.directional_receivers() * AXES;
+        [transport.patches.len(), receivers, receivers, probes, probes, terms, terms]
     }
 }
 

@@ -172,6 +172,7 @@ mod tests {
             material: 0,
             pass: Pass::Opaque,
             double_sided: false,
+            bumped: false,
             mirrored: false,
             shown: true,
             casts: true,

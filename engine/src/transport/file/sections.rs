@@ -1,7 +1,7 @@
 //! What is in a light file, section by section. A section whose array is empty is absent.
 //!
 //! ```text
-//! patch.starts, .columns, .weights    rows: where each starts, f32 weights beside u32 columns; receiver, probe likewise
+//! patch.starts, .columns, .weights    rows: where each starts, f32 weights beside u32 columns; receiver, probe, directional likewise
 //! patch.starts, .packed               the same in four bytes an entry, where those hold all of them
 //! patch.dense                         f32 weights of all columns (patches, then sky), row after row: where the transport
 //!                                     is `dense` and that is shorter; a transport that is read from such is `dense`
@@ -34,6 +34,9 @@ pub fn arrays(transport: &Transport) -> Vec<Array<'_, &'static str>> {
     arrays.extend(sparse(ROWS[0], &transport.patch_from_patch));
     arrays.extend(sparse(ROWS[1], &transport.receiver_from_patch));
     arrays.extend(sparse(ROWS[2], &transport.probe_from_patch));
+    if !transport.directional_from_patch.is_empty() {
+        arrays.extend(sparse(ROWS[3], &transport.directional_from_patch));
+    }
     if !transport.depths.probes.is_empty() {
         arrays.push((DEPTH_PROBES, plain(&transport.depths.probes)));
         arrays.push((DEPTHS, plain(&transport.depths.nearness)));
@@ -80,10 +83,11 @@ fn places(transport: &Transport) -> Vec<Array<'_, &'static str>> {
     ]
 }
 
-const ROWS: [[&str; 4]; 3] = [
+const ROWS: [[&str; 4]; 4] = [
     ["patch.starts", "patch.columns", "patch.weights", "patch.packed"],
     ["receiver.starts", "receiver.columns", "receiver.weights", "receiver.packed"],
     ["probe.starts", "probe.columns", "probe.weights", "probe.packed"],
+    ["directional.starts", "directional.columns", "directional.weights", "directional.packed"],
 ];
 
 fn sparse<'a>(
@@ -151,6 +155,7 @@ impl Sections<'_> {
             sky_patches: sky.first().copied().unwrap_or(0),
             receiver_from_patch: self.rows("receiver")?,
             probe_from_patch: self.rows("probe")?,
+            directional_from_patch: self.rows("directional")?,
             dense: self.has(DENSE),
             solved: responses.map(|sources| self.solved(sources)).transpose()?,
             ..Transport::default()

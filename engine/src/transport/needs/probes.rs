@@ -3,6 +3,7 @@
 use super::look::{Look, entities, told};
 use super::saving::{PROBE_RAYS, VECTOR};
 use super::{Finding, Saving};
+use crate::transport::Probe;
 
 /// Something moves, or may, and light probes are placed. What moves is what the renderer draws without a bake: all that
 /// is drawn and not static.
@@ -33,7 +34,7 @@ fn saving(look: &Look<'_>, placed: u64) -> Saving {
         return Saving::default();
     }
     let rows = if sizes.of_probes.rows > 0 { sizes.of_probes } else { sizes.rows_of_probes(probes) };
-    let places = 48 * probes; // of the probes themselves, in the file
+    let places = size_of::<Probe>() as u64 * probes;
     let depths = look
         .transport
         .map_or(0, |transport| 4 * (transport.depths.probes.len() + transport.depths.nearness.len()) as u64);

@@ -61,10 +61,11 @@ impl Sizes {
         }
     }
 
-    /// A probe's rows where none is baked: it sees twice what a receiver does, nine times.
+    /// About, where none is baked: a probe sees twice what a receiver does, or half of all there is.
     pub fn rows_of_probes(&self, probes: u64) -> RowSizes {
         let a_receiver = self.of_receivers.entries / self.receivers.max(1);
-        RowSizes { rows: 9 * probes, entries: 18 * probes * a_receiver, bytes: self.of_receivers.bytes }
+        let entries = 9 * probes * (2 * a_receiver).max(self.patches.min(u64::from(PROBE_RAYS)) / 2);
+        RowSizes { rows: 9 * probes, entries, bytes: self.of_receivers.bytes }
     }
 }
 
