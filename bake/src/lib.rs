@@ -26,6 +26,7 @@ mod ship;
 mod split;
 mod surface;
 
+pub mod adopt;
 pub mod chain;
 pub mod compress;
 pub mod form_factors;
@@ -172,7 +173,23 @@ pub fn bake(
     settings: &Settings,
     watcher: &dyn Watcher,
 ) -> Result<Baked, BakeError> {
-    on_threads(settings.threads, || run(project, scene, settings, watcher))
+    on_threads(settings.threads, || run(project, || Opened::open(project, scene), settings, watcher))
+}
+
+/// Bakes a scene of a project as it stands in memory, saved or not, and writes `baked/NAME/`. The scene's own file is
+/// neither read nor written.
+pub fn bake_scene(
+    project: &Path,
+    name: &str,
+    scene: Scene,
+    settings: &Settings,
+    watcher: &dyn Watcher,
+) -> Result<Baked, BakeError> {
+    let open = || {
+        scene.validate()?;
+        Opened::of(project, load_project(project)?, name.to_owned(), scene)
+    };
+    on_threads(settings.threads, || run(project, open, settings, watcher))
 }
 
 /// `None`: as many as the machine has.
@@ -187,13 +204,13 @@ fn on_threads<T: Send>(
 
 fn run(
     project: &Path,
-    scene: Option<&str>,
+    open: impl FnOnce() -> Result<Opened, BakeError>,
     settings: &Settings,
     watcher: &dyn Watcher,
 ) -> Result<Baked, BakeError> {
     let started = std::time::Instant::now();
     watcher.stage("reading", 1);
-    let mut opened = Opened::open(project, scene)?;
+    let mut opened = open()?;
     let (with, is_new_length) =
         settings::settle(&opened.settings, &opened.name, settings, layout::area(&opened.surface))?;
     let inputs = inputs(&opened.scene, &opened.assets, &with, opened.forced());
@@ -293,6 +310,10 @@ impl Opened {
         let settings = load_project(project)?;
         let name = scene.unwrap_or(&settings.default_scene).to_owned();
         let authored = load_scene(project, &name)?;
+        Self::of(project, settings, name, authored)
+    }
+
+    fn of(project: &Path, settings: Project, name: String, authored: Scene) -> Result<Self, BakeError> {
         let (assets, mut warnings) = load_assets(project, &authored)?;
         let scene = as_baked(&authored, &assets, &settings.features);
         let surface = surface::sanitise(&scene, &assets)?;

@@ -74,6 +74,22 @@ fn engine_writes_files_in_two_places() {
 }
 
 #[test]
+fn what_is_edited_knows_nothing_of_windows() {
+    let source = workspace().join("editor/src");
+    let rooms =
+        ["document", "edit", "command", "importing", "baking"].map(|room| files(&source.join(room), "rs"));
+    let names =
+        ["assets", "clipboard", "history", "intents", "log", "primitives", "recent", "recovery", "selection"];
+    let single = names.map(|name| source.join(name).with_extension("rs"));
+    for file in rooms.into_iter().flatten().chain(single) {
+        let source = read(&file);
+        for window in ["egui", "eframe", "winit", "wgpu"] {
+            assert!(!source.names(&[window]), "{} names {window}", file.display());
+        }
+    }
+}
+
+#[test]
 fn configuration_never_hides_in_function_bodies() {
     for package in ["engine", "bake", "editor", "tests"] {
         for file in files(&workspace().join(package), "rs") {

@@ -86,11 +86,19 @@ impl Default for Project {
 }
 
 /// `scenes/NAME.ron`: the version, then the scene.
-#[derive(Serialize, Deserialize)]
+#[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SceneFile {
     version: u32,
     scene: Scene,
+}
+
+/// The same, written without a copy of the scene.
+#[derive(Serialize)]
+#[serde(rename = "SceneFile")]
+struct SceneToWrite<'a> {
+    version: u32,
+    scene: &'a Scene,
 }
 
 pub fn project_path(project: &Path) -> PathBuf {
@@ -130,14 +138,29 @@ pub fn load_scene(project: &Path, name: &str) -> Result<Scene, SceneError> {
         let message = format!("the project has no scene `{name}`; it has: {names}");
         return Err(SceneError::File { path, message });
     }
-    let loaded: SceneFile = read(&path)?;
-    known_version(&path, loaded.version)?;
+    scene_from_text(&path, &read_text(&path)?)
+}
+
+/// A scene file's text, read and checked; `path` is what errors name.
+pub fn scene_from_text(path: &Path, text: &str) -> Result<Scene, SceneError> {
+    let loaded: SceneFile = from_text(path, text).or_else(|error| {
+        // A newer file may hold what this program has no field for: what counts is that it is newer.
+        known_version(path, version_of(text))?;
+        Err(error)
+    })?;
+    known_version(path, loaded.version)?;
     loaded.scene.validate()?;
     Ok(loaded.scene)
 }
 
+/// What a scene file holds, byte for byte; `path` is what errors name.
+pub fn text_of_scene(path: &Path, scene: &Scene) -> Result<String, SceneError> {
+    to_text(path, &SceneToWrite { version: VERSION, scene })
+}
+
 pub fn save_scene(project: &Path, name: &str, scene: &Scene) -> Result<(), SceneError> {
-    write(&scene_path(project, name), &SceneFile { version: VERSION, scene: scene.clone() })
+    let path = scene_path(project, name);
+    write_atomically(&path, text_of_scene(&path, scene)?.as_bytes())
 }
 
 /// In alphabetical order.
@@ -169,16 +192,28 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), SceneError> {
     Ok(())
 }
 
-fn read<T: for<'a> Deserialize<'a>>(path: &Path) -> Result<T, SceneError> {
-    let text =
-        std::fs::read_to_string(path).map_err(|source| SceneError::Io { path: path.to_owned(), source })?;
+fn read_text(path: &Path) -> Result<String, SceneError> {
+    std::fs::read_to_string(path).map_err(|source| SceneError::Io { path: path.to_owned(), source })
+}
+
+/// A file in the dialect of project and scene files.
+pub fn read<T: for<'a> Deserialize<'a>>(path: &Path) -> Result<T, SceneError> {
+    from_text(path, &read_text(path)?)
+}
+
+pub fn write<T: Serialize>(path: &Path, value: &T) -> Result<(), SceneError> {
+    write_atomically(path, to_text(path, value)?.as_bytes())
+}
+
+/// Text in that dialect; `path` is what errors name.
+pub fn from_text<T: for<'a> Deserialize<'a>>(path: &Path, text: &str) -> Result<T, SceneError> {
     ron::Options::default()
         .with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME)
-        .from_str(&text)
+        .from_str(text)
         .map_err(|error| SceneError::File { path: path.to_owned(), message: error.to_string() })
 }
 
-fn write<T: Serialize>(path: &Path, value: &T) -> Result<(), SceneError> {
+pub fn to_text<T: Serialize>(path: &Path, value: &T) -> Result<String, SceneError> {
     let pretty = ron::ser::PrettyConfig::new()
         .depth_limit(6)
         .compact_arrays(true)
@@ -187,7 +222,16 @@ fn write<T: Serialize>(path: &Path, value: &T) -> Result<(), SceneError> {
         .to_string_pretty(value, pretty)
         .map_err(|error| SceneError::File { path: path.to_owned(), message: error.to_string() })?;
     text.push('\n');
-    write_atomically(path, text.as_bytes())
+    Ok(text)
+}
+
+/// 0 where the text says none.
+fn version_of(text: &str) -> u32 {
+    #[derive(Deserialize)]
+    struct Versioned {
+        version: u32,
+    }
+    from_text(Path::new(""), text).map_or(0, |Versioned { version }| version)
 }
 
 fn known_version(path: &Path, version: u32) -> Result<(), SceneError> {

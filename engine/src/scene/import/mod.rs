@@ -7,11 +7,14 @@
 mod gltf;
 mod image;
 mod mtl;
+mod normals;
 mod obj;
 mod path;
 mod polygon;
+pub mod settings;
 mod tangents;
 mod triangles;
+mod whole;
 
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::path::Path;
@@ -20,7 +23,10 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::assets::{Assets, Clip, ClipSource, Picture};
-use super::{ImageSource, Material, Mesh, MeshSource, Motion, Scene, SceneError, SkyKind, Warning, shape};
+use super::{
+    ImageSource, Material, MaterialId, Mesh, MeshSource, Motion, Scene, SceneError, SkyKind, Warning, shape,
+};
+use settings::{ImportSettings, Structure};
 
 /// What a file says, as a scene whose entities refer to meshes and pictures of `file` (its path relative
 /// to the project, forward slashes).
@@ -38,18 +44,69 @@ enum Model {
     Obj(obj::Obj),
 }
 
+impl Model {
+    /// As the file says it, whatever its settings; with the files that it refers to.
+    fn scene(&self, project: &Path) -> Result<(Scene, Vec<Warning>, Vec<String>), String> {
+        match self {
+            Self::Gltf(gltf) => {
+                let (scene, warnings) = gltf::scene(project, gltf)?;
+                Ok((scene, warnings, gltf::companions(gltf)))
+            }
+            Self::Obj(obj) => Ok(obj::scene(project, obj)),
+        }
+    }
+
+    /// The file's n-th, whatever its settings.
+    fn mesh(&self, n: usize) -> Result<(Mesh, Vec<Warning>), String> {
+        match self {
+            Self::Gltf(gltf) => gltf::mesh(gltf, n),
+            Self::Obj(obj) => obj::mesh(obj, n),
+        }
+    }
+}
+
+/// A file of meshes, and how it is to be read.
+struct Source {
+    model: Model,
+    settings: ImportSettings,
+}
+
+impl Source {
+    /// With the files that it refers to.
+    fn scene(&self, project: &Path, file: &str) -> Result<(Scene, Vec<Warning>, Vec<String>), String> {
+        let (mut scene, warnings, files) = self.model.scene(project)?;
+        match self.settings.structure {
+            Structure::Hierarchy => self.settings.place(&mut scene, file),
+            Structure::One => {
+                let (_, materials) = self.joined(&scene)?;
+                scene = whole::scene_of(scene, file, materials);
+            }
+        }
+        Ok((scene, warnings, files))
+    }
+
+    fn mesh(&self, project: &Path, n: usize) -> Result<(Mesh, Vec<Warning>), String> {
+        let (mut mesh, warnings) = match self.settings.structure {
+            Structure::Hierarchy => self.model.mesh(n)?,
+            Structure::One if n == 0 => (self.joined(&self.model.scene(project)?.0)?.0, Vec::new()),
+            Structure::One => return Err(format!("has one mesh, as it is imported: there is no mesh {n}")),
+        };
+        normals::settle(&mut mesh, self.settings.normals);
+        Ok((mesh, warnings))
+    }
+
+    fn joined(&self, scene: &Scene) -> Result<(Mesh, Vec<MaterialId>), String> {
+        let mesh = |n: u32| self.model.mesh(n as usize).map(|(mesh, _)| mesh);
+        whole::joined(scene, &self.settings.scene_from_file(), mesh)
+    }
+}
+
 /// Reads `project/file`, glTF, GLB or OBJ by content and ending. Pictures need not be there (that is a
 /// warning), buffers must. Errors name the file and what is wrong with it.
 pub fn import(project: &Path, file: &str) -> Result<Imported, SceneError> {
     let refused = |message: String| SceneError::File { path: project.join(file), message };
-    let model = open(project, file)?;
-    let (scene, warnings, files) = match &model {
-        Model::Gltf(gltf) => {
-            let (scene, warnings) = gltf::scene(project, gltf).map_err(refused)?;
-            (scene, warnings, gltf::companions(gltf))
-        }
-        Model::Obj(obj) => obj::scene(project, obj),
-    };
+    let source = open(project, file)?;
+    let (scene, warnings, files) = source.scene(project, file).map_err(refused)?;
     scene.validate().map_err(|error| refused(error.to_string()))?;
     let companions = distinct(files).iter().map(|companion| path::seen_from(file, companion)).collect();
     Ok(Imported { scene, warnings: distinct(warnings), companions })
@@ -75,7 +132,7 @@ pub fn load_assets(project: &Path, scene: &Scene) -> Result<(Assets, Vec<Warning
     let mut assets = Assets::default();
     let mut warnings = Vec::new();
     let read: Vec<_> =
-        meshes.par_iter().map(|(source, user)| (*source, *user, mesh(&models, source))).collect();
+        meshes.par_iter().map(|(source, user)| (*source, *user, mesh(project, &models, source))).collect();
     for (source, user, mesh) in read {
         let (mut mesh, said) =
             mesh.map_err(|message| SceneError::Entity { entity: user.to_owned(), message })?;
@@ -101,9 +158,9 @@ pub fn load_assets(project: &Path, scene: &Scene) -> Result<(Assets, Vec<Warning
     Ok((assets, distinct(warnings)))
 }
 
-type Models = BTreeMap<String, Result<Model, String>>;
+type Models = BTreeMap<String, Result<Source, String>>;
 
-fn open(project: &Path, file: &str) -> Result<Model, SceneError> {
+fn open(project: &Path, file: &str) -> Result<Source, SceneError> {
     let path = project.join(file);
     let refused = |message: String| SceneError::File { path: path.clone(), message };
     if path::inside(file).is_none() || Path::new(file).is_absolute() {
@@ -111,52 +168,49 @@ fn open(project: &Path, file: &str) -> Result<Model, SceneError> {
     }
     let bytes = std::fs::read(&path).map_err(|source| SceneError::Io { path: path.clone(), source })?;
     let ending = file.rsplit('.').next().unwrap_or_default().to_ascii_lowercase();
-    match ending.as_str() {
-        "obj" if !bytes.starts_with(b"glTF") => obj::open(file, &bytes).map(Model::Obj).map_err(refused),
+    let model = match ending.as_str() {
+        "obj" if !bytes.starts_with(b"glTF") => obj::open(file, &bytes).map(Model::Obj).map_err(refused)?,
         _ if ending == "gltf" || ending == "glb" || gltf::recognises(&bytes) => {
-            gltf::open(project, file, &bytes).map(|gltf| Model::Gltf(Box::new(gltf))).map_err(refused)
+            gltf::open(project, file, &bytes).map(|gltf| Model::Gltf(Box::new(gltf))).map_err(refused)?
         }
-        _ => Err(refused("is neither glTF, GLB nor OBJ".to_owned())),
-    }
+        _ => return Err(refused("is neither glTF, GLB nor OBJ".to_owned())),
+    };
+    Ok(Source { model, settings: settings::load(&path)? })
 }
 
-fn model<'a>(models: &'a Models, file: &str) -> Result<&'a Model, String> {
+fn source<'a>(models: &'a Models, file: &str) -> Result<&'a Source, String> {
     match models.get(file) {
-        Some(Ok(model)) => Ok(model),
+        Some(Ok(source)) => Ok(source),
         Some(Err(message)) => Err(message.clone()),
         None => Err(format!("{file} was not opened")),
     }
 }
 
-fn mesh(models: &Models, source: &MeshSource) -> Result<(Mesh, Vec<Warning>), String> {
-    let (file, n) = match source {
+fn mesh(project: &Path, models: &Models, of: &MeshSource) -> Result<(Mesh, Vec<Warning>), String> {
+    let (file, n) = match of {
         MeshSource::File { file, mesh } => (file, *mesh as usize),
         MeshSource::Shape(shape) => return Ok((shape::mesh(*shape), Vec::new())),
     };
-    let read = match model(models, file)? {
-        Model::Gltf(gltf) => gltf::mesh(gltf, n),
-        Model::Obj(obj) => obj::mesh(obj, n),
-    };
-    read.map_err(|message| format!("{file}: {message}"))
+    source(models, file)?.mesh(project, n).map_err(|message| format!("{file}: {message}"))
 }
 
-fn picture(project: &Path, models: &Models, source: &ImageSource) -> Result<Picture, String> {
-    let Some(n) = source.image else {
-        let file = path::inside(&source.file).ok_or("lies outside the project")?;
+fn picture(project: &Path, models: &Models, of: &ImageSource) -> Result<Picture, String> {
+    let Some(n) = of.image else {
+        let file = path::inside(&of.file).ok_or("lies outside the project")?;
         let bytes =
             std::fs::read(project.join(file)).map_err(|error| format!("the picture is missing: {error}"))?;
-        return image::decode(&bytes, &source.file);
+        return image::decode(&bytes, &of.file);
     };
-    match model(models, &source.file)? {
+    match &source(models, &of.file)?.model {
         Model::Gltf(gltf) => image::decode(&gltf::image_bytes(gltf, n as usize)?, "")
             .map_err(|message| format!("picture {n} {message}")),
         Model::Obj(_) => Err("holds no pictures".to_owned()),
     }
 }
 
-fn clip(models: &Models, source: &ClipSource) -> Result<Clip, String> {
-    match model(models, &source.file)? {
-        Model::Gltf(gltf) => gltf::clip(gltf, source.animation as usize, source.node as usize),
+fn clip(models: &Models, of: &ClipSource) -> Result<Clip, String> {
+    match &source(models, &of.file)?.model {
+        Model::Gltf(gltf) => gltf::clip(gltf, of.animation as usize, of.node as usize),
         Model::Obj(_) => Err("holds no animations".to_owned()),
     }
 }
