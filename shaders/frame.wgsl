@@ -29,6 +29,8 @@ struct Frame {
     capture: u32,
     /// W/m2 of one stored unit of radiosity, a power of two.
     light_unit: f32,
+    /// Where directional terms begin among the receivers.
+    directional: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

@@ -1,7 +1,10 @@
 // Depth as a light sees it, nothing culled: a back face blocks too. Holes of alpha masks are left out; a
-// blended surface blocks a share of the texels that is its alpha, by ordered dither.
+// blended surface blocks a share of the texels that is its alpha, by ordered dither. HOLES is defined where there are
+// such.
 #import hohlraum::scene::mesh::moved
-#import hohlraum::scene::material::{material, base_color, is, MASK}
+#ifdef HOLES
+#import hohlraum::scene::material::{material, base_color, is, MASKED, BLENDED}
+#endif
 
 struct ShadowView {
     clip_from_world: mat4x4f,
@@ -35,17 +38,19 @@ fn moving(
     return Point(view.clip_from_world * vec4f(world, 1.0), uv, color, shift_of(position));
 }
 
+#ifdef HOLES
 @fragment
 fn holes(point: Point) {
     let alpha = base_color(point.uv, point.color).a;
-    if is(MASK) {
+    if is(MASKED) {
         if alpha < material.cutoff {
             discard;
         }
-    } else if alpha <= dither(point.clip.xy + point.shift) {
+    } else if is(BLENDED) && alpha <= dither(point.clip.xy + point.shift) {
         discard;
     }
 }
+#endif
 
 /// Interleaved gradient noise (Jimenez 2014): every neighbourhood holds all thresholds.
 fn dither(at: vec2f) -> f32 {

@@ -1,15 +1,37 @@
 // Surfaces: direct light from punctual lights with shadows, and what receivers (or light probes, for what
 // moves) say of the rest. Lambert for diffuse light, so that pictures agree with the transport to the last
 // digit; GGX (Walter et al. 2007, height-correlated Smith by Heitz 2014) with Schlick's Fresnel on top.
+//
+// What a scene does without is not even compiled. Defined are NORMAL_MAP, MASK, BLEND and UNLIT where the material is of
+// that kind, LIGHTS where punctual lights shine, CUBEMAPS where there are any.
 #import hohlraum::frame::{frame, to_eye, drawn, COMPOSITE, DIRECT, INDIRECT, REFLECTION, ALBEDO, NORMAL, PROBES}
 #import hohlraum::scene::mesh::{Still, Moving, moved, moved_normal, moved_tangent}
-#import hohlraum::scene::material::{material, base_color, metal, emission_at, bump, is, mapped}
-#import hohlraum::scene::material::{MASK, BLEND, UNLIT, DOUBLE_SIDED}
+#import hohlraum::scene::material::{material, base_color, metal, emission_at, is}
+#ifdef MASK
+#import hohlraum::scene::material::MASKED
+#endif
+#ifdef BLEND
+#import hohlraum::scene::material::BLENDED
+#endif
+#ifdef UNLIT
+#import hohlraum::scene::material::SHINING
+#endif
+#ifdef NORMAL_MAP
+#import hohlraum::scene::material::{bump, mapped}
+#import hohlraum::transport::directional::tilted
+#endif
+#ifdef LIGHTS
+#import hohlraum::scene::material::DOUBLE_SIDED
 #import hohlraum::scene::light::{lights_at, light_of, arrival, visible_in_view}
-#import hohlraum::scene::reflection::{around, reflectance, use_of}
+#endif
+#ifdef CUBEMAPS
+#import hohlraum::scene::reflection::around
+#endif
+#import hohlraum::scene::reflection::{reflectance, use_of}
 #import hohlraum::transport::sh
 
-/// Irradiance at receivers [W/m2]: seen unblocked from emitters and sky, and all that bounced.
+/// Irradiance at receivers [W/m2]: seen unblocked from emitters and sky, and all that bounced. From
+/// `frame.directional` on: the directional terms of the first ones, along x, y and z.
 @group(2) @binding(0) var<storage, read> receivers_direct: array<vec4f>;
 @group(2) @binding(1) var<storage, read> receivers_indirect: array<vec4f>;
 /// Nine coefficients an object that moves, likewise.
@@ -37,6 +59,38 @@ struct Point {
     @location(8) back_indirect: vec3f,
     @location(9) @interpolate(flat) mirrored: u32,
 }
+
+#ifdef NORMAL_MAP
+/// On a static surface with a normal map: the light of the side that is drawn, with its directional terms.
+struct BumpedPoint {
+    @builtin(position) clip: vec4f,
+    @location(0) position: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) tangent: vec4f,
+    @location(3) uv: vec4f,
+    @location(4) color: vec4f,
+    @location(5) direct: vec3f,
+    @location(6) direct_x: vec3f,
+    @location(7) direct_y: vec3f,
+    @location(8) direct_z: vec3f,
+    @location(9) indirect: vec3f,
+    @location(10) indirect_x: vec3f,
+    @location(11) indirect_y: vec3f,
+    @location(12) indirect_z: vec3f,
+}
+
+/// On a surface with a normal map that moves.
+struct BumpedMovingPoint {
+    @builtin(position) clip: vec4f,
+    @location(0) position: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) tangent: vec4f,
+    @location(3) uv: vec4f,
+    @location(4) color: vec4f,
+    /// Which object it is, and 1 where its transform mirrors.
+    @location(5) @interpolate(flat) light: vec2u,
+}
+#endif
 
 // ---- vertices
 
@@ -73,19 +127,74 @@ fn moving(vertex: Moving) -> Point {
     point.tangent = vec4f(moved_tangent(vertex.tangent.xyz, x, y, z), vertex.tangent.w);
     point.uv = vertex.uv;
     point.color = vertex.color;
-    var direct: array<vec3f, 9>;
-    var indirect: array<vec3f, 9>;
-    for (var k = 0u; k < 9u; k++) {
-        direct[k] = objects_direct[vertex.light.x * 9u + k].xyz;
-        indirect[k] = objects_indirect[vertex.light.x * 9u + k].xyz;
-    }
-    point.front_direct = sh::irradiance(direct, point.normal);
-    point.front_indirect = sh::irradiance(indirect, point.normal);
-    point.back_direct = sh::irradiance(direct, -point.normal);
-    point.back_indirect = sh::irradiance(indirect, -point.normal);
+    let front = light_of_object(vertex.light.x, point.normal);
+    let back = light_of_object(vertex.light.x, -point.normal);
+    point.front_direct = front.direct;
+    point.front_indirect = front.indirect;
+    point.back_direct = back.direct;
+    point.back_indirect = back.indirect;
     point.mirrored = vertex.light.y;
     return point;
 }
+
+/// Irradiance [W/m2].
+struct Light {
+    direct: vec3f,
+    indirect: vec3f,
+}
+
+fn light_of_object(object: u32, normal: vec3f) -> Light {
+    var direct: array<vec3f, 9>;
+    var indirect: array<vec3f, 9>;
+    for (var k = 0u; k < 9u; k++) {
+        direct[k] = objects_direct[object * 9u + k].xyz;
+        indirect[k] = objects_indirect[object * 9u + k].xyz;
+    }
+    return Light(sh::irradiance(direct, normal), sh::irradiance(indirect, normal));
+}
+
+#ifdef NORMAL_MAP
+@vertex
+fn still_bumped(vertex: Still) -> BumpedPoint {
+    var point: BumpedPoint;
+    point.clip = frame.clip_from_world * vec4f(vertex.position, 1.0);
+    point.position = vertex.position;
+    point.normal = vertex.normal;
+    point.tangent = vertex.tangent;
+    point.uv = vertex.uv;
+    point.color = vertex.color;
+    for (var k = 0u; k < 4u; k++) {
+        let receiver = vertex.receivers[k];
+        let terms = frame.directional + 3u * receiver;
+        let weight = vertex.weights[k];
+        point.direct += weight * receivers_direct[receiver].xyz;
+        point.direct_x += weight * receivers_direct[terms].xyz;
+        point.direct_y += weight * receivers_direct[terms + 1u].xyz;
+        point.direct_z += weight * receivers_direct[terms + 2u].xyz;
+        point.indirect += weight * receivers_indirect[receiver].xyz;
+        point.indirect_x += weight * receivers_indirect[terms].xyz;
+        point.indirect_y += weight * receivers_indirect[terms + 1u].xyz;
+        point.indirect_z += weight * receivers_indirect[terms + 2u].xyz;
+    }
+    return point;
+}
+
+@vertex
+fn moving_bumped(vertex: Moving) -> BumpedMovingPoint {
+    let x = vertex.row_x.xyz;
+    let y = vertex.row_y.xyz;
+    let z = vertex.row_z.xyz;
+    var point: BumpedMovingPoint;
+    point.position = moved(vertex.position, vertex.row_x, vertex.row_y, vertex.row_z);
+    point.clip = frame.clip_from_world * vec4f(point.position, 1.0);
+    point.normal = moved_normal(vertex.normal, x, y, z, vertex.light.y);
+    point.tangent = vec4f(moved_tangent(vertex.tangent.xyz, x, y, z), vertex.tangent.w);
+    point.uv = vertex.uv;
+    point.color = vertex.color;
+    point.light = vertex.light;
+    return point;
+}
+#endif
 
 // ---- what is there
 
@@ -118,7 +227,10 @@ fn surfel(point: Point, front_facing: bool) -> Surfel {
     var here: Surfel;
     here.position = point.position;
     here.smooth_normal = normalize(select(-point.normal, point.normal, front));
+    here.normal = here.smooth_normal;
+#ifdef NORMAL_MAP
     here.normal = bumped(point, here.smooth_normal, front);
+#endif
     here.albedo = base.rgb;
     here.alpha = base.a;
     here.metallic = saturate(metals.x);
@@ -138,6 +250,7 @@ fn surfel(point: Point, front_facing: bool) -> Surfel {
     return here;
 }
 
+#ifdef NORMAL_MAP
 /// The normal map's normal in world space. Without tangents the frame comes from how position and texture
 /// coordinates change over the picture (Schueler, "Normal mapping without precomputed tangents", 2006).
 fn bumped(point: Point, normal: vec3f, front: bool) -> vec3f {
@@ -166,6 +279,7 @@ fn bumped(point: Point, normal: vec3f, front: bool) -> vec3f {
     }
     return normalize(tangent * local.x + bitangent * local.y + normal * local.z);
 }
+#endif
 
 // ---- light
 
@@ -184,6 +298,7 @@ struct Lit {
 fn lit(here: Surfel) -> Lit {
     let diffuse = diffuse_albedo(here) / PI;
     var sum = Lit(vec3f(0.0), vec3f(0.0));
+#ifdef LIGHTS
     let list = lights_at(here.position);
     for (var k = 0u; k < list.count; k++) {
         let light = light_of(list, k);
@@ -199,6 +314,7 @@ fn lit(here: Surfel) -> Lit {
             sum.highlights += arrived * highlight(here, light_here.towards, cosine);
         }
     }
+#endif
     return sum;
 }
 
@@ -223,10 +339,13 @@ fn highlight(here: Surfel, to_light: vec3f, cosine: f32) -> vec3f {
 fn reflection(here: Surfel) -> vec3f {
     let irradiance = here.direct + here.indirect;
     let mirrored = reflect(-here.to_viewer, here.normal);
-    let found = around(here.position, here.normal, here.smooth_normal, mirrored, here.roughness);
     // Where nothing is known of the surroundings, they are taken to be the same from everywhere.
-    let unknown = irradiance / PI * (1.0 - found.known);
-    let radiance = found.radiance * open_share(here, irradiance, found.irradiance, found.known) + unknown;
+    var radiance = irradiance / PI;
+#ifdef CUBEMAPS
+    let found = around(here.position, here.normal, here.smooth_normal, mirrored, here.roughness);
+    radiance *= 1.0 - found.known;
+    radiance += found.radiance * open_share(here, irradiance, found.irradiance, found.known);
+#endif
     return here.mirrored * radiance * (use_of.strength * over_horizon(here, mirrored));
 }
 
@@ -253,15 +372,54 @@ fn over_horizon(here: Surfel, mirrored: vec3f) -> f32 {
 
 @fragment
 fn shade(point: Point, @builtin(front_facing) front: bool) -> @location(0) vec4f {
-    let here = surfel(point, front);
-    if is(MASK) && here.alpha < material.cutoff {
+    return picture_of(surfel(point, front));
+}
+
+#ifdef NORMAL_MAP
+@fragment
+fn shade_bumped(at: BumpedPoint, @builtin(front_facing) front: bool) -> @location(0) vec4f {
+    let point = Point(
+        at.clip, at.position, at.normal, at.tangent, at.uv, at.color,
+        at.direct, at.indirect, at.direct, at.indirect, 0u,
+    );
+    var here = surfel(point, front);
+    let direct = mat3x3f(at.direct_x, at.direct_y, at.direct_z);
+    let indirect = mat3x3f(at.indirect_x, at.indirect_y, at.indirect_z);
+    here.direct = tilted(here.direct, direct, here.smooth_normal, here.normal);
+    here.indirect = tilted(here.indirect, indirect, here.smooth_normal, here.normal);
+    return picture_of(here);
+}
+
+@fragment
+fn shade_moving_bumped(at: BumpedMovingPoint, @builtin(front_facing) front: bool) -> @location(0) vec4f {
+    let none = vec3f(0.0);
+    let point = Point(
+        at.clip, at.position, at.normal, at.tangent, at.uv, at.color,
+        none, none, none, none, at.light.y,
+    );
+    var here = surfel(point, front);
+    let light = light_of_object(at.light.x, here.normal);
+    here.direct = light.direct;
+    here.indirect = light.indirect;
+    return picture_of(here);
+}
+#endif
+
+fn picture_of(here: Surfel) -> vec4f {
+#ifdef MASK
+    if is(MASKED) && here.alpha < material.cutoff {
         discard;
     }
+#endif
+    var alpha = 1.0;
+#ifdef BLEND
+    alpha = select(1.0, here.alpha, is(BLENDED));
+#endif
     if frame.view == ALBEDO || frame.view == NORMAL {
         let plain = select(here.normal * 0.5 + 0.5, here.albedo, frame.view == ALBEDO);
-        return vec4f(plain, 1.0) * select(1.0, here.alpha, is(BLEND));
+        return vec4f(plain, 1.0) * alpha;
     }
-    let radiance = radiance_of(here, select(1.0, here.alpha, is(BLEND)));
+    let radiance = radiance_of(here, alpha);
     // Behind probes and their edges.
     let share = select(1.0, DIMMED, frame.view >= PROBES);
     return vec4f(drawn(radiance.rgb * share), radiance.a);
@@ -270,10 +428,12 @@ fn shade(point: Point, @builtin(front_facing) front: bool) -> @location(0) vec4f
 /// Radiance that is on its way to the eye, and what it covers: alpha thins out what leaves in all directions, and
 /// not what is mirrored, as on glass.
 fn radiance_of(here: Surfel, alpha: f32) -> vec4f {
-    if is(UNLIT) {
+#ifdef UNLIT
+    if is(SHINING) {
         let own = select(here.albedo, vec3f(0.0), frame.view == INDIRECT || frame.view == REFLECTION);
         return vec4f(own, 1.0) * alpha;
     }
+#endif
     let reflected = diffuse_albedo(here) / PI;
     let indirect = here.indirect * reflected * alpha;
     if frame.view == INDIRECT {

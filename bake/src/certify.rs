@@ -8,6 +8,8 @@ use engine::transport::{Certificate, Transport};
 use glam::DVec3;
 use rayon::prelude::*;
 
+use crate::directional;
+
 /// What only the scene's materials decide: the cavity gain, whose albedo is limited, whether energy is kept, the
 /// predicted noise.
 pub fn certify_materials(
@@ -130,6 +132,7 @@ pub fn certify_rows(certificate: &mut Certificate, transport: &Transport) {
         .map(|i| transport.receiver_from_patch.sum(i) - 1.0)
         .fold(0.0, f64::max);
     certificate.probe_sum_excess = probe_sum_excess(transport);
+    certificate.directional_sum_excess = directional::sum_excess(&transport.directional_from_patch);
     certificate.least_entry =
         rows.weights.iter().copied().map(f64::from).fold(f64::INFINITY, f64::min).min(1.0);
 }

@@ -100,6 +100,12 @@ fn concentric_disk(u: f32, v: f32) -> Vec2 {
     Vec2::from_angle(angle) * r
 }
 
+/// Uniform over the half space of +Z.
+pub fn hemisphere_direction(u: f32, v: f32) -> Vec3 {
+    let z = u.max(1e-4);
+    (Vec2::from_angle(std::f32::consts::TAU * v) * (1.0 - z * z).sqrt()).extend(z)
+}
+
 /// Uniform over all directions.
 pub fn sphere_direction(u: f32, v: f32) -> Vec3 {
     let z = 1.0 - 2.0 * u;

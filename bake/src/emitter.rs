@@ -87,12 +87,51 @@ impl Emitters {
         if polygon.is_some_and(|share| share < 1e-9) {
             return 0.0;
         }
+        let Carried { seen, all, rays, .. } =
+            self.carried(tracer, position, normal, patch, key, rays, |_| Vec3::ZERO);
+        match polygon {
+            Some(polygon) if all > 0.0 => polygon * (seen / all),
+            Some(_) => 0.0,
+            None => {
+                let area = scene.patch_areas[patch as usize] as f32;
+                (seen * area / (PI * rays as f32)).min(1.0)
+            }
+        }
+    }
+
+    /// Of the light that arrives from an emitter: the mean of a function of its direction, per cosine.
+    pub fn mean_per_cosine(
+        &self,
+        tracer: &Tracer,
+        (position, normal): (Vec3, Vec3),
+        patch: u32,
+        key: u64,
+        of: impl Fn(Vec3) -> Vec3,
+    ) -> Vec3 {
+        let per_cosine = |direction: Vec3| of(direction) / normal.dot(direction);
+        let Carried { seen, weighted, .. } =
+            self.carried(tracer, position, normal, patch, key, self.rays, per_cosine);
+        if seen > 0.0 { weighted / seen } else { Vec3::ZERO }
+    }
+
+    /// `of`: a function of the direction, summed over what is seen.
+    #[expect(clippy::too_many_arguments)]
+    fn carried(
+        &self,
+        tracer: &Tracer,
+        position: Vec3,
+        normal: Vec3,
+        patch: u32,
+        key: u64,
+        rays: u32,
+        of: impl Fn(Vec3) -> Vec3,
+    ) -> Carried {
+        let scene = tracer.scene;
         let places = Places::of(scene, patch as usize);
         let seed = hash(key ^ scene.patch_keys[patch as usize]);
-        let (mut seen, mut all) = (0.0, 0.0);
-        let mut count = rays;
+        let mut sums = Carried { seen: 0.0, all: 0.0, weighted: Vec3::ZERO, rays };
         let mut k = 0;
-        while k < count {
+        while k < sums.rays {
             let [u, v, ..] = self.sobol.point(k, seed);
             let (at, facing, _) = places.at(u, v);
             let way = at - position;
@@ -100,27 +139,28 @@ impl Emitters {
             let carried = normal.dot(way).max(0.0) * (-facing.dot(way)).max(0.0) / (distance2 * distance2);
             if carried > 0.0 && carried.is_finite() {
                 let chance = unit(hash(seed ^ u64::from(k)) as u32);
-                all += carried;
-                seen += if tracer.bvh.visible(position, normal, at, chance, tracer.holes) {
-                    carried
-                } else {
-                    0.0
-                };
+                sums.all += carried;
+                if tracer.bvh.visible(position, normal, at, chance, tracer.holes) {
+                    sums.seen += carried;
+                    sums.weighted += of(way / distance2.sqrt()) * carried;
+                }
             }
             k += 1;
-            if k == rays && seen > 0.0 && seen < all {
-                count = 4 * rays; // in the penumbra it takes more
+            if k == rays && sums.seen > 0.0 && sums.seen < sums.all {
+                sums.rays = 4 * rays; // in the penumbra it takes more
             }
         }
-        match polygon {
-            Some(polygon) if all > 0.0 => polygon * (seen / all),
-            Some(_) => 0.0,
-            None => {
-                let area = scene.patch_areas[patch as usize] as f32;
-                (seen * area / (PI * count as f32)).min(1.0)
-            }
-        }
+        sums
     }
+}
+
+/// What shadow rays towards an emitter carry: unblocked, in all, and weighted of what is unblocked; and how many they
+/// were.
+struct Carried {
+    seen: f32,
+    all: f32,
+    weighted: Vec3,
+    rays: u32,
 }
 
 /// Lambert's form factor from a point to a triangle's front (or back), 0 where it is seen from the other side.

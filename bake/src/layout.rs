@@ -8,6 +8,7 @@ use engine::scene::{Scene, SkyKind, Warning, world_from_local};
 use engine::transport::{NONE, Patch, Probe, Receiver, Sample, Surface, Transport, Vertex, sky};
 use glam::{DVec3, Vec2, Vec3};
 
+use crate::directional;
 use crate::directions::{Sobol, hash_of, in_triangle};
 use crate::receiver::Place;
 use crate::{BakeError, Watcher};
@@ -20,6 +21,8 @@ pub const SAMPLES: u32 = 16;
 pub struct Layout {
     pub transport: Transport,
     pub rays: RayScene,
+    /// How many receivers, the first ones, get directional rows.
+    pub directional: usize,
     pub dropped_triangles: usize,
     pub warnings: Vec<Warning>,
 }
@@ -92,9 +95,10 @@ fn divide(
     go_on()?;
     let groups = patch::group(&fine, &links, length);
     go_on()?;
-    let receivers = receiver::receivers(&fine, &links, &surface.batches, spacing);
+    let mut receivers = receiver::receivers(&fine, &links, &surface.batches, spacing);
+    let directional = directional::put_first(&mut receivers, scene, &fine, &surface.batches);
     go_on()?;
-    Ok(assemble(scene, surface, &fine, &groups, receivers))
+    Ok(Layout { directional, ..assemble(scene, surface, &fine, &groups, receivers) })
 }
 
 /// Sizes of neighbouring vertices differ by at most 0.4 of their distance: no patch stands beside one many
@@ -197,7 +201,7 @@ fn assemble(
     warnings.extend(add_probes(scene, source, &mut transport, &mut rays));
     transport.sky_patches = if scene.sky.kind == SkyKind::None { 0 } else { sky::COUNT };
     rays.sky_patches = transport.sky_patches;
-    Layout { transport, rays, dropped_triangles: source.dropped, warnings }
+    Layout { transport, rays, directional: 0, dropped_triangles: source.dropped, warnings }
 }
 
 /// Render vertices: one for each node and set of attributes.

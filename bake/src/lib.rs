@@ -8,6 +8,7 @@ mod certify;
 mod chart;
 mod cut;
 mod depth;
+mod directional;
 mod directions;
 mod emitter;
 mod gap;
@@ -21,6 +22,7 @@ mod query;
 mod rays;
 mod receiver;
 mod settings;
+mod ship;
 mod split;
 mod surface;
 
@@ -32,14 +34,19 @@ pub mod progress;
 pub mod reference;
 pub mod report;
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use engine::scene::assets::Assets;
 use engine::scene::file::{Project, Quality, baked_dir, load_project, load_scene};
 use engine::scene::import::load_assets;
-use engine::scene::{Scene, SceneError, SkyKind, Warning};
+use engine::scene::{EntityId, Feature, Forced, Scene, SceneError, Warning};
+use engine::transport::directional::AXES;
 use engine::transport::file::TransportError;
-use engine::transport::key::{BakeWith, inputs, transport_key};
+use engine::transport::key::{BakeWith, Input, What, inputs, transport_key};
+use engine::transport::needs::{
+    Cost, Look, Needs, RowSizes, Sizes, as_baked, needs_of_scene, needs_of_transport,
+};
 use engine::transport::probe_field::ProbeField;
 use engine::transport::stale::Stale;
 use engine::transport::{Certificate, Transport, file, materials, packed};
@@ -81,9 +88,11 @@ impl Watcher for Silent {}
 
 /// What a bake gives.
 pub struct Baked {
+    /// The full one.
     pub transport: Transport,
-    /// Where it was written.
+    /// What the player loads: less than the full transport where a scene does without some of it.
     pub file: std::path::PathBuf,
+    pub needs: Needs,
     pub warnings: Vec<Warning>,
     /// Nothing had changed: the file on disk was current and no ray was traced.
     pub unchanged: bool,
@@ -106,7 +115,7 @@ pub enum BakeError {
 }
 
 /// What would be baked, without baking it.
-#[derive(Clone, Debug, Default, serde::Serialize)]
+#[derive(Clone, Debug, serde::Serialize)]
 pub struct Plan {
     pub scene: String,
     pub quality: String,
@@ -123,6 +132,12 @@ pub struct Plan {
     /// Estimated by tracing a few thousand rays.
     pub seconds: f64,
     pub bytes: u64,
+    /// Of what the player loads, by section of its file: where there is a bake of these settings.
+    pub sections: Vec<(String, u64)>,
+    /// What is there, what is left out, and why.
+    pub needs: Needs,
+    /// The needs are those of the bake on disk, which is current; else they are about.
+    pub exact: bool,
     pub left_out: Vec<String>,
     pub warnings: Vec<String>,
 }
@@ -198,29 +213,31 @@ fn run(
     let mut opened = open()?;
     let (with, is_new_length) =
         settings::settle(&opened.settings, &opened.name, settings, layout::area(&opened.surface))?;
-    let inputs = inputs(&opened.scene, &opened.assets, &with);
+    let inputs = inputs(&opened.scene, &opened.assets, &with, opened.forced());
     let key = transport_key(&inputs);
-    let file = file::path(project, &opened.name);
     watcher.advance(1, 0);
 
-    let current = (!settings.force).then(|| file::load_uncertified(&file).ok()).flatten();
-    let current = current.filter(|transport| transport.certificate.key == key);
-    let unchanged = current.is_some();
-    let mut transport = match current {
-        Some(transport) => transport,
+    let load = || file::load_full_uncertified(project, &opened.name).ok();
+    let on_disk = (!settings.force).then(load).flatten();
+    let unchanged = on_disk.as_ref().is_some_and(|transport| transport.certificate.key == key);
+    let in_probes = |transport: &Transport| differ_in_probes(&transport.certificate.inputs, &inputs);
+    let kept = match on_disk {
+        Some(transport) if unchanged => Some((transport, Vec::new())),
+        Some(transport) if in_probes(&transport) => opened.make_probes(transport, &with, watcher)?,
+        _ => None,
+    };
+    let (mut transport, warnings) = match kept {
+        Some(kept) => kept,
         None => {
-            let caches = if settings.force {
-                Caches::none()
-            } else {
-                Caches::open(&baked_dir(project, &opened.name).join("cache"), &key)
-            };
-            let (transport, warnings) =
+            let folder = baked_dir(project, &opened.name).join("cache");
+            let caches = if settings.force { Caches::none() } else { Caches::open(&folder, &key) };
+            let made =
                 pipeline::make(&opened.scene, &opened.assets, &opened.surface, &with, &caches, watcher)?;
-            opened.warnings.extend(warnings);
             caches.delete();
-            transport
+            made
         }
     };
+    opened.warnings.extend(warnings);
 
     watcher.stage("certificate", 1);
     let before = transport.certificate.clone();
@@ -236,17 +253,23 @@ fn run(
     certificate.key = key;
     certificate.inputs = inputs;
     certificate.warnings = opened.warnings.iter().map(Warning::to_string).collect();
-    certificate.left_out = left_out(&opened.scene);
-    certificate.left_out.extend(left_out_of_probes(&transport));
+    // How long light lasts says what solves it.
+    transport.certificate.cavity_gain = certificate.cavity_gain;
+    let needs = needs_of_transport(&opened.authored, &opened.assets, &transport, &opened.settings.features);
+    certificate.left_out = needs.left_out().chain(left_out_of_probes(&transport)).collect();
+    certificate.shipped_for = ship::made_for(&opened.authored, &opened.assets, &needs, unlimited);
+    certificate.needs = Some(needs.clone());
     if !unchanged {
         certificate.threads = rayon::current_num_threads();
         certificate.seconds = started.elapsed().as_secs_f64();
     }
-    if certificate != before {
-        // A new colour changes the gain, but no row: the file is written again all the same, in one piece.
+    // A new colour or light changes no row: what the player loads is written again, the full transport beside it not.
+    if certificate != before || !file::is_whole(project, &opened.name) {
         transport.certificate = certificate;
+        transport.dense = !needs.has(Feature::Columns);
         transport.certificate.bytes = file::length(&transport);
-        file::save(&file, &transport)?;
+        let shipped = ship::ship(&transport, opened.scenes(), &opened.assets, &needs, unlimited);
+        file::save_pair(project, &opened.name, &transport, shipped.as_ref(), unchanged)?;
     }
     if unchanged {
         transport.certificate.rays_traced = 0;
@@ -257,7 +280,17 @@ fn run(
         engine::scene::file::save_project(project, &opened.settings)?;
     }
     watcher.advance(1, 0);
-    Ok(Baked { transport, file, warnings: opened.warnings, unchanged })
+    let file = file::path(project, &opened.name);
+    Ok(Baked { transport, file, needs, warnings: opened.warnings, unchanged })
+}
+
+/// Everything is as it was but what is read by what moves.
+fn differ_in_probes(was: &[Input], is: &[Input]) -> bool {
+    let but_probes = |inputs: &[Input]| -> Vec<(What, EntityId, String)> {
+        let others = inputs.iter().filter(|input| input.what != What::Probes);
+        others.map(|input| (input.what, input.entity, input.key.clone())).collect()
+    };
+    was != is && but_probes(was) == but_probes(is)
 }
 
 /// A scene with all that it refers to, and its static surface.
@@ -265,6 +298,8 @@ struct Opened {
     settings: Project,
     name: String,
     scene: Scene,
+    /// With what the bake leaves out before any ray; `scene` is without.
+    authored: Scene,
     assets: Assets,
     surface: Surface,
     warnings: Vec<Warning>,
@@ -274,27 +309,52 @@ impl Opened {
     fn open(project: &Path, scene: Option<&str>) -> Result<Self, BakeError> {
         let settings = load_project(project)?;
         let name = scene.unwrap_or(&settings.default_scene).to_owned();
-        let scene = load_scene(project, &name)?;
-        Self::of(project, settings, name, scene)
+        let authored = load_scene(project, &name)?;
+        Self::of(project, settings, name, authored)
     }
 
-    fn of(project: &Path, settings: Project, name: String, scene: Scene) -> Result<Self, BakeError> {
-        let (assets, mut warnings) = load_assets(project, &scene)?;
+    fn of(project: &Path, settings: Project, name: String, authored: Scene) -> Result<Self, BakeError> {
+        let (assets, mut warnings) = load_assets(project, &authored)?;
+        let scene = as_baked(&authored, &assets, &settings.features);
         let surface = surface::sanitise(&scene, &assets)?;
         warnings.extend(surface.warnings.iter().cloned());
-        Ok(Self { settings, name, scene, assets, surface, warnings })
+        Ok(Self { settings, name, scene, authored, assets, surface, warnings })
     }
-}
 
-fn left_out(scene: &Scene) -> Vec<String> {
-    let mut left_out = Vec::new();
-    if scene.sky.kind == SkyKind::None {
-        left_out.push("sky patches: the scene has no sky".to_owned());
+    /// As authored, and as it is baked.
+    fn scenes(&self) -> [&Scene; 2] {
+        [&self.authored, &self.scene]
     }
-    if scene.entities.iter().all(|entity| entity.light_probes.is_none()) {
-        left_out.push("light-probe rows: the scene has no light probes".to_owned());
+
+    /// What the author says of features.
+    fn forced(&self) -> &BTreeMap<Feature, Forced> {
+        &self.settings.features
     }
-    left_out
+
+    /// The same transport with the light probes that the scene needs now, and a line that says so. None where its places
+    /// are not those of the scene.
+    fn make_probes(
+        &self,
+        transport: Transport,
+        with: &BakeWith,
+        watcher: &dyn Watcher,
+    ) -> Result<Option<(Transport, Vec<Warning>)>, BakeError> {
+        let before = transport.probes.len();
+        let made =
+            pipeline::make_probes((&self.scene, &self.assets), &self.surface, with, transport, watcher)?;
+        let told = |(transport, mut warnings): (Transport, Vec<Warning>)| {
+            let needs = needs_of_scene(&self.authored, &self.assets, self.forced());
+            let verdict = needs.verdict(Feature::LightProbes);
+            let message = format!(
+                "{}: {} where there were {before}, and no other row was traced",
+                verdict.why,
+                transport.probes.len()
+            );
+            warnings.push(Warning::new(verdict.feature.name(), message));
+            (transport, warnings)
+        };
+        Ok(made.map(told))
+    }
 }
 
 /// Light probes that no object reads, and what the others do without.
@@ -319,21 +379,36 @@ pub fn plan(project: &Path, scene: Option<&str>, settings: &Settings) -> Result<
     let opened = Opened::open(project, scene)?;
     let (with, _) =
         settings::settle(&opened.settings, &opened.name, settings, layout::area(&opened.surface))?;
-    let key = transport_key(&inputs(&opened.scene, &opened.assets, &with));
-    let baked = file::load_certificate(&file::path(project, &opened.name));
-    let is_current = baked.is_ok_and(|certificate| certificate.key == key);
+    let key = transport_key(&inputs(&opened.scene, &opened.assets, &with, opened.forced()));
+    let file = file::path(project, &opened.name);
+    let is_current = file::load_certificate(&file).is_ok_and(|certificate| certificate.key == key);
     let layout = layout::layout(&opened.scene, &opened.assets, &opened.surface, with.length, &Silent)?;
     let transport = &layout.transport;
     let rows = transport.patches.len() + transport.receivers.len();
     let rays =
         rows as u64 * u64::from(with.rays) + transport.probes.len() as u64 * u64::from(pipeline::PROBE_RAYS);
+    let rays = rays + layout.directional as u64 * u64::from(with.rays);
     let kept = if is_current { rays } else { 0 };
     let (per_ray, per_row) = pipeline::measure(&layout, &opened.scene, &opened.assets, with.rays);
     // Entries of patches take eight bytes, others four where columns are few enough.
     let entries = |rows: usize| rows as f64 * per_row;
     let short = if transport.columns() <= packed::MOST_COLUMNS { 4.0 } else { 8.0 };
     let bytes = entries(transport.patches.len()) * 8.0
-        + entries(transport.receivers.len() + 9 * transport.probes.len()) * short;
+        + entries(transport.receivers.len() + AXES * layout.directional + 9 * transport.probes.len()) * short;
+    let seconds_per_ray = per_ray / rayon::current_num_threads() as f64;
+    let cost = Cost { seconds_per_ray, ..Cost::measured() };
+    let full = || file::load_full_uncertified(project, &opened.name);
+    let baked = if is_current { Some(full()?) } else { None };
+    let needs = match &baked {
+        Some(baked) => Look::at_transport(&opened.authored, &opened.assets, baked, opened.forced()),
+        None => Look::at_scene(&opened.authored, &opened.assets, opened.forced()).sized(sizes(
+            transport,
+            with.rays,
+            per_row,
+            short as u64,
+        )),
+    };
+    let needs = needs.costing(cost).needs();
     Ok(Plan {
         scene: opened.name,
         quality: with.quality.to_string(),
@@ -345,11 +420,27 @@ pub fn plan(project: &Path, scene: Option<&str>, settings: &Settings) -> Result<
         triangles: transport.surface.triangles.len(),
         rays,
         rays_kept: kept,
-        seconds: (rays - kept) as f64 * per_ray / rayon::current_num_threads() as f64,
+        seconds: (rays - kept) as f64 * seconds_per_ray,
         bytes: file::length(transport) + bytes as u64,
-        left_out: left_out(&opened.scene),
+        sections: if is_current { file::sections(&file)? } else { Vec::new() },
+        left_out: needs.left_out().collect(),
+        exact: is_current,
+        needs,
         warnings: opened.warnings.iter().chain(&layout.warnings).map(Warning::to_string).collect(),
     })
+}
+
+/// About, of rows that are not there yet: entries of a row, bytes of an entry that is no patch's.
+fn sizes(transport: &Transport, rays: u32, per_row: f64, bytes: u64) -> Sizes {
+    let rows =
+        |rows: usize, bytes| RowSizes { rows: rows as u64, entries: (rows as f64 * per_row) as u64, bytes };
+    Sizes {
+        of_patches: rows(transport.patches.len(), 8),
+        of_receivers: rows(transport.receivers.len(), bytes),
+        of_probes: rows(9 * transport.probes.len(), bytes),
+        rays_per_row: u64::from(rays),
+        ..Sizes::of(transport)
+    }
 }
 
 /// A scene with the bake on disk, which is current.
@@ -361,14 +452,15 @@ struct Solvable {
 impl Solvable {
     /// To be asked: its certificate holds, or it is forced.
     fn certified(project: &Path, scene: Option<&str>, settings: &Settings) -> Result<Self, BakeError> {
-        Self::open(project, scene, settings, if settings.force { file::load_uncertified } else { file::load })
+        let load = if settings.force { file::load_full_uncertified } else { file::load_full };
+        Self::open(project, scene, settings, load)
     }
 
     fn open(
         project: &Path,
         scene: Option<&str>,
         settings: &Settings,
-        load: fn(&Path) -> Result<Transport, TransportError>,
+        load: fn(&Path, &str) -> Result<Transport, TransportError>,
     ) -> Result<Self, BakeError> {
         let opened = Opened::open(project, scene)?;
         let file = file::path(project, &opened.name);
@@ -378,7 +470,7 @@ impl Solvable {
             let quality = quality.unwrap_or_else(|| opened.settings.bake.quality.to_string());
             return Err(BakeError::Missing { project: project_name, scene: opened.name, quality });
         }
-        let transport = load(&file)?;
+        let transport = load(project, &opened.name)?;
         let certificate = &transport.certificate;
         let stale = |why: &str| {
             Err(BakeError::Stale { project: project_name, scene: opened.name.clone(), why: why.to_owned() })
@@ -391,9 +483,10 @@ impl Solvable {
             rays: certificate.rays_per_row,
             length: certificate.base_length,
         };
-        let now = inputs(&opened.scene, &opened.assets, &with);
-        if transport_key(&now) != certificate.key {
-            return stale(&Stale::between(&certificate.inputs, &now).to_string());
+        let now = inputs(&opened.scene, &opened.assets, &with, opened.forced());
+        let differs = Stale::between(&certificate.inputs, &now);
+        if !differs.is_empty() {
+            return stale(&differs.to_string());
         }
         Ok(Self { opened, transport })
     }
@@ -402,7 +495,8 @@ impl Solvable {
 /// The certificate of the bake on disk, every statement computed again from the stored arrays.
 pub fn check(project: &Path, scene: Option<&str>, settings: &Settings) -> Result<Certificate, BakeError> {
     let Solvable { opened, transport, .. } =
-        Solvable::open(project, scene, settings, file::load_uncertified)?;
+        Solvable::open(project, scene, settings, file::load_full_uncertified)?;
+    check_shipped(project, &opened)?;
     let mut certificate = transport.certificate.clone();
     let mut materials = materials::of_patches(&transport, &opened.scene, &opened.assets);
     let unlimited = opened.settings.bake.unlimited_gain;
@@ -416,6 +510,26 @@ pub fn check(project: &Path, scene: Option<&str>, settings: &Settings) -> Result
         )));
     }
     Ok(certificate)
+}
+
+/// What the player loads is of the bake beside it, and was made for this scene.
+fn check_shipped(project: &Path, opened: &Opened) -> Result<(), BakeError> {
+    let stale = |why: &str| BakeError::Stale {
+        project: project.display().to_string(),
+        scene: opened.name.clone(),
+        why: why.to_owned(),
+    };
+    if !file::is_whole(project, &opened.name) {
+        return Err(stale("its light file and the full transport beside it are of different bakes"));
+    }
+    let light = file::path(project, &opened.name);
+    let omissions = file::load_omissions(&light)?;
+    let changed = ship::changed(&omissions, &opened.authored, &opened.assets);
+    if changed.is_empty() {
+        return Ok(());
+    }
+    let names = file::names(&changed);
+    Err(stale(&format!("{} leaves out what the scene may need by now: {names}", light.display())))
 }
 
 /// Irradiance at points, in their order. A point too far from any front face is an error that names its

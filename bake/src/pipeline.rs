@@ -5,6 +5,7 @@ use std::path::Path;
 use engine::scene::assets::Assets;
 use engine::scene::{Entity, EntityId, MaterialId, Scene, Warning};
 use engine::transport::key::BakeWith;
+pub use engine::transport::needs::PROBE_RAYS;
 use engine::transport::packed::fold;
 use engine::transport::sh::COEFFICIENTS;
 use engine::transport::surface::Blend;
@@ -19,16 +20,14 @@ use crate::depth::depths;
 use crate::directions::{Sobol, hash_of};
 use crate::emitter::Emitters;
 use crate::holes::AlphaHoles;
-use crate::layout::{Layout, SAMPLES, layout};
+use crate::layout::{Layout, RayScene, SAMPLES, layout};
 use crate::overlap::covered;
 use crate::probe::{ProbeRow, probe_row};
 use crate::rays::{Hits, Tracer};
 use crate::surface::Surface;
-use crate::{BakeError, Watcher, aggregate};
+use crate::{BakeError, Watcher, aggregate, directional};
 use engine::transport::bvh::Bvh;
 
-/// Rays of a light-probe row: few probes, each with nine coefficients to get right.
-pub const PROBE_RAYS: u32 = 4096;
 /// A point that meets back faces with more than this share of its rays lies inside something.
 pub const INSIDE: f64 = 0.25;
 
@@ -64,7 +63,7 @@ pub fn make(
     watcher: &dyn Watcher,
 ) -> Result<(Transport, Vec<Warning>), BakeError> {
     watcher.stage("patches and receivers", 1);
-    let Layout { mut transport, mut rays, dropped_triangles, mut warnings, .. } =
+    let Layout { mut transport, mut rays, directional, dropped_triangles, mut warnings } =
         layout(scene, assets, surface, with.length, watcher)?;
     watcher.advance(1, 0);
 
@@ -72,18 +71,21 @@ pub fn make(
     let bvh = Bvh::new(&rays.triangles, holes.holed());
     rays.covered = covered(&rays, &bvh, &holes.holed());
     warnings.extend(warnings_of_covered(scene, &transport, &rays.covered));
-    let mut sampled = sampled(scene, &transport);
-    sampled.iter_mut().zip(&rays.covered).for_each(|(sampled, covered)| *sampled &= !covered);
-    let emitters = Emitters::choose(&rays, &sampled);
+    let emitters = emitters(scene, &transport, &rays);
     let tracer = Tracer { scene: &rays, bvh: &bvh, holes: &holes, watcher };
 
     let patch_hits = tracer.patch_rows(with.rays, &caches.patch)?;
     let patches_towards = patches_towards_emitters(&tracer, &emitters)?;
     let receiver_hits = tracer.receiver_rows(with.rays, &caches.receiver)?;
     let receivers_towards = receivers_towards_emitters(&tracer, &emitters)?;
+    let receiver_from_patch = receiver_rows(&receiver_hits, with.rays, &emitters, &receivers_towards);
+    let valid = valid(&receiver_hits, with.rays);
+    let directional_from_patch =
+        directional::rows(&tracer, &emitters, &receiver_from_patch, &valid[..directional], with.rays)?;
     let probe_rows = probe_rows(&tracer, &emitters)?;
     mark_probes(&mut transport.probes, &probe_rows);
     transport.depths = depths(&tracer, &transport, surface.unit);
+    add_probe_rows(&mut transport.probe_from_patch, probe_rows);
 
     // Closed forms for pairs with nothing between them ([`crate::form_factors`]) would make the matrix several times as
     // right, and no irradiance better: the error of chance is averaged away. They cost a fifth to two fifths of a bake.
@@ -95,16 +97,16 @@ pub fn make(
         balanced_rows(&patch_hits, with.rays, areas, &emitters, &patches_towards, &known, watcher)?;
     transport.patch_from_patch = rows;
     transport.patches.iter_mut().zip(targets).for_each(|(patch, target)| patch.target = target);
-    transport.receiver_from_patch = receiver_rows(&receiver_hits, with.rays, &emitters, &receivers_towards);
-    mark_receivers(&mut transport, &receiver_hits, with.rays);
-    add_probe_rows(&mut transport.probe_from_patch, probe_rows);
+    transport.receiver_from_patch = receiver_from_patch;
+    transport.directional_from_patch = directional_from_patch;
+    mark_receivers(&mut transport, &valid);
     aggregate::mark(&mut transport.patches, &transport.patch_from_patch, watcher);
     watcher.advance(1, 0);
 
     let rays_of = |rows: usize| rows as u64 * u64::from(with.rays);
     let kept = caches.patch.kept_rows() + caches.receiver.kept_rows();
     let probe_rays = transport.probes.len() as u64 * u64::from(PROBE_RAYS);
-    let rays_in_all = rays_of(patch_hits.len() + receiver_hits.len()) + probe_rays;
+    let rays_in_all = rays_of(patch_hits.len() + receiver_hits.len() + directional) + probe_rays;
     let area: f64 = rays.patch_areas.iter().sum();
     let share = |counts: &dyn Fn(usize) -> u32| -> f64 {
         let weighted = (0..patch_hits.len()).map(|i| rays.patch_areas[i] * f64::from(counts(i)));
@@ -127,6 +129,69 @@ pub fn make(
     certificate.transport_hash = transport.hash().to_hex().to_string();
     transport.certificate = certificate;
     Ok((transport, warnings))
+}
+
+/// A transport whose light probes alone are not those of the scene, with those of the scene: no other row is traced. None
+/// where it has not the scene's places.
+pub fn make_probes(
+    (scene, assets): (&Scene, &Assets),
+    surface: &Surface,
+    with: &BakeWith,
+    old: Transport,
+    watcher: &dyn Watcher,
+) -> Result<Option<(Transport, Vec<Warning>)>, BakeError> {
+    watcher.stage("patches and receivers", 1);
+    let Layout { transport: places, mut rays, mut warnings, .. } =
+        layout(scene, assets, surface, with.length, watcher)?;
+    watcher.advance(1, 0);
+    if !are_in_one_place(&places, &old) {
+        return Ok(None);
+    }
+    let holes = AlphaHoles::new(&places.surface, scene, assets);
+    let bvh = Bvh::new(&rays.triangles, holes.holed());
+    rays.covered = covered(&rays, &bvh, &holes.holed());
+    warnings.extend(warnings_of_covered(scene, &places, &rays.covered));
+    let emitters = emitters(scene, &places, &rays);
+    let tracer = Tracer { scene: &rays, bvh: &bvh, holes: &holes, watcher };
+
+    let rays_of = |probes: usize| probes as u64 * u64::from(PROBE_RAYS);
+    let rays_of_others = old.certificate.rays - rays_of(old.probes.len()).min(old.certificate.rays);
+    let mut transport = Transport { probes: places.probes, probe_from_patch: Rows::default(), ..old };
+    let probe_rows = probe_rows(&tracer, &emitters)?;
+    mark_probes(&mut transport.probes, &probe_rows);
+    transport.depths = depths(&tracer, &transport, surface.unit);
+    add_probe_rows(&mut transport.probe_from_patch, probe_rows);
+    let rays_traced = rays_of(transport.probes.len());
+    let counted = counts(&transport);
+    let mut certificate = Certificate {
+        probes: counted.probes,
+        entries: counted.entries,
+        rays: rays_of_others + rays_traced,
+        rays_traced,
+        ..std::mem::take(&mut transport.certificate)
+    };
+    certify_rows(&mut certificate, &transport);
+    certificate.transport_hash = transport.hash().to_hex().to_string();
+    transport.certificate = certificate;
+    Ok(Some((transport, warnings)))
+}
+
+fn are_in_one_place(a: &Transport, b: &Transport) -> bool {
+    let patches = |transport: &Transport| -> Vec<_> {
+        transport.patches.iter().map(|patch| (patch.centre, patch.area, patch.first_triangle)).collect()
+    };
+    let receivers = |transport: &Transport| -> Vec<_> {
+        transport.receivers.iter().map(|receiver| (receiver.position, receiver.normal)).collect()
+    };
+    (a.origin, patches(a), receivers(a), &a.samples, &a.surface.triangles)
+        == (b.origin, patches(b), receivers(b), &b.samples, &b.surface.triangles)
+}
+
+/// What is sampled towards.
+fn emitters(scene: &Scene, transport: &Transport, rays: &RayScene) -> Emitters {
+    let mut sampled = sampled(scene, transport);
+    sampled.iter_mut().zip(&rays.covered).for_each(|(sampled, covered)| *sampled &= !covered);
+    Emitters::choose(rays, &sampled)
 }
 
 /// One an entity.
@@ -160,6 +225,8 @@ fn counts(transport: &Transport) -> Certificate {
             transport.receiver_from_patch.entries(),
             transport.probe_from_patch.entries(),
         ],
+        directional_receivers: transport.directional_receivers(),
+        directional_entries: transport.directional_from_patch.entries(),
         ..Certificate::default()
     }
 }
@@ -251,16 +318,20 @@ fn receiver_row(
     row
 }
 
+/// By receiver: is it outside of all solids?
+fn valid(hits: &Hits, rays: u32) -> Vec<bool> {
+    hits.lost.iter().map(|&lost| f64::from(lost) <= INSIDE * f64::from(rays)).collect()
+}
+
 /// Receivers inside a solid light nothing: vertices that blend them take their neighbours' receivers instead.
-fn mark_receivers(transport: &mut Transport, hits: &Hits, rays: u32) {
-    for (receiver, &lost) in transport.receivers.iter_mut().zip(&hits.lost) {
-        receiver.valid = f32::from(u8::from(f64::from(lost) <= INSIDE * f64::from(rays)));
+fn mark_receivers(transport: &mut Transport, valid: &[bool]) {
+    for (receiver, &valid) in transport.receivers.iter_mut().zip(valid) {
+        receiver.valid = f32::from(u8::from(valid));
     }
-    let valid: Vec<bool> = transport.receivers.iter().map(|receiver| receiver.valid > 0.0).collect();
     let triangles = &transport.surface.triangles;
     let positions: Vec<Vec3> = transport.surface.vertices.iter().map(|vertex| vertex.position).collect();
     for blends in [&mut transport.surface.blends, &mut transport.surface.back_blends] {
-        let mut lit: Vec<bool> = blends.iter_mut().map(|blend| keep_valid(blend, &valid)).collect();
+        let mut lit: Vec<bool> = blends.iter_mut().map(|blend| keep_valid(blend, valid)).collect();
         for _ in 0..3 {
             spread(blends, &mut lit, triangles, &positions);
         }

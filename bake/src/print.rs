@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use bake::Plan;
 use engine::transport::Certificate;
+use engine::transport::needs::{Needs, Verdict};
 
 /// The one object on stdout.
 pub fn json(value: &impl serde::Serialize) {
@@ -41,8 +42,21 @@ pub fn plan(plan: &Plan) -> String {
         ("time", format!("about {:.1} s", plan.seconds)),
         ("size", format!("about {}", bytes(plan.bytes))),
     ]);
-    text += &list("left out", &plan.left_out);
+    let known = if plan.exact { "counted in the last bake" } else { "about; exact after the bake" };
+    text += &format!("needs ({known})\n");
+    text += &verdicts(&plan.needs);
     text
+}
+
+/// A line a feature: whether it is there, its name, who needs it or why nobody does, and what that costs or saves.
+fn verdicts(needs: &Needs) -> String {
+    let widest = needs.verdicts.iter().map(|verdict| verdict.feature.name().len()).max().unwrap_or(0);
+    let line = |verdict: &Verdict| {
+        let (mark, name, price) = (verdict.mark(), verdict.feature.name(), verdict.price());
+        let price = if price.is_empty() { price } else { format!(" ({price})") };
+        format!("  {mark:<10}  {name:<widest$}  {}{price}\n", verdict.why)
+    };
+    needs.verdicts.iter().map(line).collect()
 }
 
 pub fn certificate(certificate: &Certificate) -> String {
@@ -105,6 +119,20 @@ mod tests {
         let text = certificate(&broken);
         assert_eq!(text.matches("BROKEN").count(), 1, "{text}");
         assert_eq!(verdict(&broken), ExitCode::from(1));
+    }
+
+    #[test]
+    fn each_feature_has_a_line_and_what_is_forced_is_marked() {
+        use engine::scene::{Feature, Forced};
+        let mut needs = Needs::all();
+        needs.verdicts[Feature::Sky as usize].is_in = false;
+        needs.verdicts[Feature::Holes as usize].forced = Some(Forced::In);
+        needs.verdicts[Feature::Holes as usize].saving.file_bytes = 1500;
+        let text = verdicts(&needs);
+        assert_eq!(text.lines().count(), Feature::ALL.len());
+        let line = |name: &str| text.lines().find(|line| line.contains(&format!("  {name}  "))).unwrap();
+        assert!(line("sky").starts_with("  out "), "{text}");
+        assert!(line("test for holes").starts_with("  forced in") && text.contains("(takes 1.5 kB of file)"));
     }
 
     #[test]

@@ -128,7 +128,7 @@ pub fn rename(project: &Path, from: &str, to: &str) -> Result<Vec<String>, Strin
         let names: Vec<&str> = path.split('/').collect();
         let is_name =
             |name: &&str| !name.is_empty() && !matches!(*name, "." | "..") && !name.contains(['\\', ':']);
-        names.len() > 1 && names[0] == "assets" && names.iter().all(|name| is_name(&name))
+        names.len() > 1 && names[0] == "assets" && names.iter().all(is_name)
     };
     if !inside(from) || !inside(to) {
         return Err(format!("`{from}` cannot become `{to}`: both have to lie in `assets`"));

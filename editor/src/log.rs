@@ -72,6 +72,8 @@ pub struct Log(Arc<Mutex<Lines>>);
 #[derive(Default)]
 struct Lines {
     lines: VecDeque<Line>,
+    /// Of each level.
+    counts: [usize; 3],
     next: u64,
     /// Counts every change.
     revision: u64,
@@ -108,6 +110,7 @@ impl Log {
     pub fn clear(&self) {
         let mut lines = self.lines();
         lines.lines.clear();
+        lines.counts = [0; 3];
         lines.revision += 1;
     }
 
@@ -125,7 +128,7 @@ impl Log {
 
     /// How many lines there are of a level.
     pub fn count(&self, level: Level) -> usize {
-        self.lines().lines.iter().filter(|line| line.level == level).count()
+        self.lines().counts[level as usize]
     }
 
     /// A thread that panicked while it wrote leaves the lines as they are.
@@ -149,15 +152,17 @@ impl Lines {
         if self.lines.len() >= MOST_LINES {
             self.drop_one();
         }
+        self.counts[level as usize] += 1;
         self.lines.push_back(Line { number: self.next, level, source, text, at, times: 1 });
         self.next += 1;
     }
 
     /// The oldest of the lowest level that is there.
     fn drop_one(&mut self) {
-        let least = self.lines.iter().map(|line| line.level).min();
-        let oldest = self.lines.iter().position(|line| Some(line.level) == least);
+        let Some(least) = self.counts.iter().position(|count| *count > 0) else { return };
+        let oldest = self.lines.iter().position(|line| line.level as usize == least);
         oldest.map(|at| self.lines.remove(at));
+        self.counts[least] -= 1;
     }
 }
 

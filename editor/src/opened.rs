@@ -36,7 +36,7 @@ impl Opened {
                 let cubemaps = world.cubemaps.load(&world.scene);
                 let World { assets, transport: shown, unlimited_gain, .. } = world;
                 let loaded =
-                    baking::load(project, document.name(), document.scene(), &assets, document.revision());
+                    baking::load(&document, &assets);
                 let baked = loaded.unwrap_or_else(|error| {
                     warnings.push(Warning::new(document.name(), error));
                     None

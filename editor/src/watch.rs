@@ -62,6 +62,11 @@ impl Watch {
         }
     }
 
+    /// What a file held when it was read, if it is not followed yet: what happened to it since is a change.
+    pub fn expect(&mut self, file: PathBuf, stamp: Stamp) {
+        self.known.entry(file).or_insert(Some(stamp));
+    }
+
     /// What changed since the last look, each change told once; in the order of paths.
     pub fn look(&mut self) -> Vec<(PathBuf, Changed)> {
         let mut changes = Vec::new();

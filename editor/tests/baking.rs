@@ -81,8 +81,11 @@ fn a_bake_is_of_the_scene_as_it_stands_and_the_badge_follows_the_edits() {
     assert_eq!(baking.differs().unwrap().changed.len(), 1);
     document.undo();
     assert_eq!(told(&mut baking, &document), Badge::LightOnly);
+    document.undo();
+    assert_eq!(baking.badge(&document), Badge::Current, "the sun is as it was baked");
+    document.redo();
 
-    let of_disk = baking::load(document.project(), "main", document.scene(), &assets, document.revision());
+    let of_disk = baking::load(&document, &assets);
     let mut other = Baking::default();
     other.show(of_disk.unwrap().unwrap());
     assert_eq!(other.badge(&document), Badge::Current);
@@ -98,9 +101,7 @@ fn a_cancelled_bake_keeps_what_was_shown_before() {
     let error = finished(&mut baking).unwrap_err();
     assert!(error.contains("cancelled"), "{error}");
     assert!(baking.transport().is_none() && baking.badge(&document) == Badge::Missing);
-    assert!(
-        baking::load(document.project(), "main", document.scene(), &Default::default(), 0).unwrap().is_none()
-    );
+    assert!(baking::load(&document, &Default::default()).unwrap().is_none());
 }
 
 #[test]

@@ -29,12 +29,12 @@ fn name(document: &Document) -> &str {
     &document.entity(CUBE).unwrap().name
 }
 
-/// Ticks, a second of the document's time each, until something happened.
-fn event(document: &mut Document, now: &mut Instant) -> Event {
+/// Ticks, a second of the document's time each, until this happened.
+fn await_event(document: &mut Document, now: &mut Instant, wanted: impl Fn(&Event) -> bool) {
     loop {
         *now += Duration::from_secs(1);
-        if let Some(event) = document.tick(*now).pop() {
-            return event;
+        if document.tick(*now).iter().any(&wanted) {
+            return;
         }
         std::thread::sleep(Duration::from_millis(5));
     }
@@ -74,7 +74,7 @@ fn a_folder_that_cannot_be_written_keeps_the_document_dirty_and_says_so() {
     assert!(error.contains("main.ron") && error.contains("not saved"), "{error}");
     document.save_in_background();
     let mut now = Instant::now();
-    assert!(matches!(event(&mut document, &mut now), Event::Saved(Err(SaveError::Disk { .. }))));
+    await_event(&mut document, &mut now, |event| matches!(event, Event::Saved(Err(SaveError::Disk { .. }))));
     assert!(document.is_dirty() && !document.is_saving());
     std::fs::remove_file(project.join("scenes")).unwrap();
     document.save().unwrap();
@@ -101,7 +101,7 @@ fn what_another_program_wrote_is_noticed_not_overwritten_and_reloaded() {
     other.entities[1].name = "theirs".to_owned();
     rename(&mut document, "ours");
     engine::scene::file::save_scene(&project, "main", &other).unwrap();
-    assert!(matches!(event(&mut document, &mut now), Event::SceneChanged(Changed::Written)));
+    await_event(&mut document, &mut now, |event| matches!(event, Event::SceneChanged(Changed::Written)));
     assert!(matches!(document.save(), Err(SaveError::ChangedOutside { .. })));
     assert_eq!(load_scene(&project, "main").unwrap(), other, "left as it is");
     document.reload().unwrap();
@@ -119,7 +119,7 @@ fn a_save_in_the_background_is_of_what_was_there_when_it_was_asked_for() {
     document.save_in_background();
     rename(&mut document, "second");
     let mut now = Instant::now();
-    assert!(matches!(event(&mut document, &mut now), Event::Saved(Ok(()))));
+    await_event(&mut document, &mut now, |event| matches!(event, Event::Saved(Ok(()))));
     assert!(document.is_dirty());
     assert_eq!(load_scene(&project, "main").unwrap().entities[1].name, "first");
     document.save_in_background();

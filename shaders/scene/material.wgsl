@@ -25,9 +25,10 @@ struct Material {
     emission_map: Map,
 }
 
-const MASK: u32 = 1u;
-const BLEND: u32 = 2u;
-const UNLIT: u32 = 4u;
+const MASKED: u32 = 1u;
+const BLENDED: u32 = 2u;
+/// By itself: nothing else lights it.
+const SHINING: u32 = 4u;
 const DOUBLE_SIDED: u32 = 8u;
 
 @group(3) @binding(0) var<uniform> material: Material;

@@ -1,11 +1,11 @@
 // What leaves patches before any bounce: E_i = M_i + rho_i * H_i, H_i the mean over the patch's points of the
 // irradiance from punctual lights [W/m2]; a light that is near gives by the patch's solid angle instead. The twin is
 // engine/src/transport/direct.rs. One thread a patch. Shadows by maps (`direct`), or by rays (`direct_by_rays`); a
-// light that has no map is asked by rays in any case.
+// light that has no map is asked by rays in any case, and a ray that meets something with holes asks the map.
 #import hohlraum::frame::frame
 #import hohlraum::scene::light::{Light, lights_at, light_of, arrival, visible, SUN, SPOT, UNMAPPED}
 #import hohlraum::transport::patch::{Patch, Sample}
-#import hohlraum::transport::rays::{triangles, let_through}
+#import hohlraum::transport::rays::{triangles, let_through, holes_met}
 #import hohlraum::transport::solid_angle::{solid_angle, cone_in_triangle}
 
 @group(2) @binding(0) var<storage, read> patches: array<Patch>;
@@ -92,7 +92,14 @@ fn asked(light: Light, at: Sample, towards: vec3f, squared: f32) -> f32 {
     if light.layer < 0 && light.layer != UNMAPPED {
         return 1.0; // it casts no shadow
     }
-    return let_through(at.position, at.normal, towards, select(sqrt(squared), 1e30, light.kind == SUN));
+    let share = let_through(at.position, at.normal, towards, select(sqrt(squared), 1e30, light.kind == SUN));
+    if share <= 0.0 || !holes_met {
+        return share;
+    }
+    if light.layer < 0 {
+        return 0.0; // no map that knows the holes
+    }
+    return visible(light, at.position, at.normal, towards, false);
 }
 
 /// 1 for a light nearer to a patch than 2.5 times its size, 0 beyond 3.5 times, and in between.

@@ -51,7 +51,8 @@ struct Blocker {
 @group(3) @binding(1) var<storage, read> triangles: array<Triangle>;
 /// The first is the static surface.
 @group(3) @binding(2) var<storage, read> blockers: array<Blocker>;
-/// By part of each blocker: the share of light that its triangles stop.
+/// By part of each blocker: the share of light that its triangles stop; below 0: a picture says where, and a ray that meets
+/// it cannot tell.
 @group(3) @binding(3) var<storage, read> stops: array<f32>;
 
 struct Count {
@@ -63,8 +64,9 @@ struct Count {
 @group(3) @binding(4) var<uniform> count: Count;
 
 /// Share of the light that gets from a light in the unit direction `towards`, `distance` metres off, to a point with
-/// a unit normal.
+/// a unit normal. Nothing with holes stops it: `holes_met` says that there was such a thing.
 fn let_through(position: vec3f, normal: vec3f, towards: vec3f, distance: f32) -> f32 {
+    holes_met = false;
     let start = position + normal * count.offset;
     var way = towards;
     var end = distance;
@@ -90,6 +92,8 @@ fn let_through(position: vec3f, normal: vec3f, towards: vec3f, distance: f32) ->
 }
 
 var<private> waiting: array<vec2u, 32>;
+/// The last ray that was asked met something with holes.
+var<private> holes_met: bool;
 
 /// The share that one blocker lets through.
 fn past(i: u32, start: vec3f, way: vec3f, end: f32) -> f32 {
@@ -117,8 +121,9 @@ fn past(i: u32, start: vec3f, way: vec3f, end: f32) -> f32 {
             leaves.y &= ~(1u << bit);
             let triangle = triangles[blocker.triangles + leaves.x + bit].ordered + blocker.triangles;
             let stopped = stops[blocker.parts + triangles[triangle].part];
-            if stopped > 0.0 && is_met(triangle, blocker.scale, origin, direction, last) {
-                share *= 1.0 - stopped;
+            if stopped != 0.0 && is_met(triangle, blocker.scale, origin, direction, last) {
+                holes_met = holes_met || stopped < 0.0;
+                share *= 1.0 - max(stopped, 0.0);
                 if share <= 0.0 {
                     return 0.0;
                 }

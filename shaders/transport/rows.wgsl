@@ -1,4 +1,5 @@
-// One page of sparse rows times a vector: sum over a row of weight * source[column].
+// One page of rows times a vector: sum over a row of weight * source[column]. Rows are sparse; where DENSE is defined,
+// they have the weights of all columns instead.
 #define_import_path hohlraum::transport::rows
 
 struct Page {
@@ -6,9 +7,10 @@ struct Page {
     first: u32,
     /// Rows of this page.
     count: u32,
-    /// 1 where columns hold weights too.
+    /// 1 where weights are halves: above their columns, or two by two.
     packed: u32,
-    padding: u32,
+    /// Columns of the matrix.
+    width: u32,
 }
 
 /// Radiosity [W/m2] by column: patches, then sky patches.
@@ -20,14 +22,45 @@ struct Page {
 @group(3) @binding(2) var<storage, read> columns: array<u32>;
 @group(3) @binding(3) var<storage, read> weights: array<f32>;
 
+/// Entries of a row, in `columns` and `weights`.
+struct Entries {
+    first: u32,
+    end: u32,
+}
+
+#ifdef DENSE
+fn entries_of(row: u32) -> Entries {
+    let stride = select(page.width, (page.width + 1u) / 2u, page.packed != 0u);
+    return Entries(row * stride, row * stride + stride);
+}
+
+/// weight * source[column] of an entry of a row that begins at `first`, or of two that share four bytes.
+fn weighted(entry: u32, first: u32) -> vec3f {
+    let at = entry - first;
+    if page.packed == 0u {
+        return weights[entry] * source[at].xyz;
+    }
+    let both = columns[entry];
+    var sum = weight_of(both & 0xffffu) * source[2u * at].xyz;
+    if 2u * at + 1u < page.width {
+        sum += weight_of(both >> 16u) * source[2u * at + 1u].xyz;
+    }
+    return sum;
+}
+#else
+fn entries_of(row: u32) -> Entries {
+    return Entries(starts[row], starts[row + 1u]);
+}
+
 /// weight * source[column] of an entry. Packed: the f16 of 2^15 times the weight, above the column.
-fn weighted(entry: u32) -> vec3f {
+fn weighted(entry: u32, first: u32) -> vec3f {
     let column = columns[entry];
     if page.packed != 0u {
         return weight_of(column >> 16u) * source[column & 0xffffu].xyz;
     }
     return weights[entry] * source[column].xyz;
 }
+#endif
 
 /// By its bits: not every device unpacks f16, or keeps what is too small for its exponent.
 fn weight_of(half: u32) -> f32 {
@@ -40,9 +73,9 @@ fn weight_of(half: u32) -> f32 {
 /// A thread a row: best where threads are few (a processor that draws).
 fn row_by_thread(row: u32) -> vec3f {
     var sum = vec3f(0.0);
-    let end = starts[row + 1u];
-    for (var i = starts[row]; i < end; i++) {
-        sum += weighted(i);
+    let row_entries = entries_of(row);
+    for (var i = row_entries.first; i < row_entries.end; i++) {
+        sum += weighted(i, row_entries.first);
     }
     return sum;
 }
@@ -53,9 +86,9 @@ var<workgroup> parts: array<vec3f, 64>;
 fn row_by_group(row: u32, thread: u32) -> vec3f {
     var sum = vec3f(0.0);
     if row < page.count {
-        let end = starts[row + 1u];
-        for (var i = starts[row] + thread; i < end; i += 64u) {
-            sum += weighted(i);
+        let row_entries = entries_of(row);
+        for (var i = row_entries.first + thread; i < row_entries.end; i += 64u) {
+            sum += weighted(i, row_entries.first);
         }
     }
     parts[thread] = sum;

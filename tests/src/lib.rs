@@ -20,6 +20,7 @@ pub fn shared() -> Option<PathBuf> {
     None
 }
 
+pub mod bumps;
 pub mod closed_forms;
 pub mod enclosure;
 pub mod lit;
@@ -32,3 +33,4 @@ pub mod solved;
 pub mod surfaces;
 pub mod systems;
 pub mod table;
+pub mod ten;

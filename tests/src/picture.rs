@@ -4,9 +4,9 @@ use std::cell::RefCell;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use engine::gpu::{Gpu, texture};
-use engine::render::{Drawn, Eye, Now, Renderer, Settings, View};
+use engine::render::{Asked, Drawn, Eye, Now, Renderer, Settings, View};
 use engine::scene::assets::Assets;
-use engine::scene::{Scene, world_from_local};
+use engine::scene::{Feature, Forced, Scene, world_from_local};
 use engine::transport::Transport;
 use glam::Vec3;
 
@@ -48,12 +48,31 @@ impl Studio {
     }
 
     pub fn with(gpu: Gpu, transport: Transport, eye: Eye, size: [u32; 2], settings: Settings) -> Self {
+        Self::asked(gpu, transport, eye, size, settings, &[])
+    }
+
+    /// Where the author has spoken of features.
+    pub fn asked(
+        gpu: Gpu,
+        transport: Transport,
+        eye: Eye,
+        size: [u32; 2],
+        settings: Settings,
+        said: &[(Feature, Forced)],
+    ) -> Self {
         let gpu = Arc::new(gpu);
         let display = texture::target(&gpu, "display", size, 1, wgpu::TextureFormat::Rgba8UnormSrgb);
         let assets = Assets::default();
         let settings = Settings { wait: true, ..settings };
-        let renderer = Renderer::new(gpu, Arc::new(transport), &assets, settings).unwrap();
+        let said = Asked::new(&said.iter().copied().collect());
+        let renderer = Renderer::asked(gpu, Arc::new(transport), &assets, settings, said).unwrap();
         Self { renderer, display, eye, assets }
+    }
+
+    /// Bytes on the GPU of a kind.
+    pub fn bytes(&self, kind: &str) -> u64 {
+        let found = self.renderer.bytes().into_iter().find(|(name, _)| *name == kind);
+        found.unwrap_or_else(|| panic!("no {kind}")).1
     }
 
     pub fn draw(&mut self, scene: &Scene, view: View) -> Drawn {
@@ -79,13 +98,7 @@ impl Studio {
 
     /// Radiance before the tonemap, rows from the top.
     pub fn radiance(&self) -> Vec<Vec3> {
-        let targets = self.renderer.targets().expect("a frame was drawn");
-        let bytes = texture::read(self.renderer.gpu(), &targets.radiance, 8).unwrap();
-        let halves =
-            bytes.chunks_exact(2).map(|pair| texture::single(u16::from_le_bytes([pair[0], pair[1]])));
-        let pre_exposure = self.renderer.exposed().unwrap().pre_exposure;
-        let values: Vec<f32> = halves.map(|half| half / pre_exposure).collect();
-        values.chunks_exact(4).map(|texel| Vec3::new(texel[0], texel[1], texel[2])).collect()
+        radiance_of(&self.renderer)
     }
 
     pub fn radiance_at(&self, x: u32, y: u32) -> Vec3 {
@@ -101,4 +114,14 @@ impl Studio {
         let (width, height) = (self.display.width(), self.display.height());
         image::save_buffer(path, &self.pixels(), width, height, image::ExtendedColorType::Rgba8).unwrap();
     }
+}
+
+/// Radiance of the last frame before the tonemap, rows from the top.
+pub fn radiance_of(renderer: &Renderer) -> Vec<Vec3> {
+    let targets = renderer.targets().expect("a frame was drawn");
+    let bytes = texture::read(renderer.gpu(), &targets.radiance, 8).unwrap();
+    let halves = bytes.chunks_exact(2).map(|pair| texture::single(u16::from_le_bytes([pair[0], pair[1]])));
+    let pre_exposure = renderer.exposed().unwrap().pre_exposure;
+    let values: Vec<f32> = halves.map(|half| half / pre_exposure).collect();
+    values.chunks_exact(4).map(|texel| Vec3::new(texel[0], texel[1], texel[2])).collect()
 }

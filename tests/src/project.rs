@@ -1,10 +1,11 @@
 //! Projects made for a test, in a folder that goes with it.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use engine::scene::Scene;
 use engine::scene::file::{Project, save_project, save_scene};
 use engine::scene::import::import;
+use engine::scene::{Feature, Forced, Scene};
 
 /// A project whose scene is called `main`.
 pub struct TestProject {
@@ -12,10 +13,19 @@ pub struct TestProject {
 }
 
 impl TestProject {
-    /// Of a scene that needs no files.
+    /// Of a scene that needs no files. All that a bake may leave out is in it: tests read light probes where nothing
+    /// moves, and rows where nothing shines.
     pub fn of(scene: &Scene) -> Self {
+        use Feature::{BlackPatches, LightProbes, Matrix, SkyPatches, UnlitPatches};
+        let baked = [LightProbes, SkyPatches, BlackPatches, UnlitPatches, Matrix];
+        Self::forcing(scene, baked.map(|feature| (feature, Forced::In)).into())
+    }
+
+    /// The same where the author says other things of features, or nothing.
+    pub fn forcing(scene: &Scene, features: BTreeMap<Feature, Forced>) -> Self {
         let folder = tempfile::tempdir().expect("a temporary folder");
-        save_project(folder.path(), &Project::default()).expect("project.ron");
+        let settings = Project { features, ..Project::default() };
+        save_project(folder.path(), &settings).expect("project.ron");
         save_scene(folder.path(), "main", scene).expect("the scene");
         Self { folder }
     }

@@ -3,7 +3,7 @@
 use engine::gpu::{Gpu, buffer};
 use engine::render::rows::Summed;
 use engine::render::{Eye, Settings, View};
-use engine::scene::{LightKind, Scene};
+use engine::scene::{Feature, Forced, LightKind, Scene};
 use engine::transport::materials::of_patches;
 use engine::transport::packed::fold;
 use engine::transport::solve::{self, Coarse, System, TwoLevel, gather};
@@ -29,8 +29,12 @@ fn eye() -> Eye {
 }
 
 fn studio(gpu: Gpu, transport: Transport, summed: Summed) -> Studio {
+    studio_with(gpu, transport, summed, &[])
+}
+
+fn studio_with(gpu: Gpu, transport: Transport, summed: Summed, said: &[(Feature, Forced)]) -> Studio {
     let settings = Settings { samples: Some(1), summed: Some(summed), ..Settings::default() };
-    Studio::with(gpu, transport, eye(), [16, 16], settings)
+    Studio::asked(gpu, transport, eye(), [16, 16], settings, said)
 }
 
 /// What lies on the GPU, the first `count`.
@@ -56,11 +60,12 @@ fn follows_the_cpu(
     mut gpu: Gpu,
     page_bytes: Option<u64>,
     summed: Summed,
+    columns: Forced,
     transport: &Transport,
 ) -> (usize, u64) {
     gpu.page_bytes = page_bytes.unwrap_or(gpu.page_bytes);
     let scene = scene(transport);
-    let mut studio = studio(gpu, transport.clone(), summed);
+    let mut studio = studio_with(gpu, transport.clone(), summed, &[(Feature::Columns, columns)]);
     let drawn = studio.draw(&scene, View::Composite);
     let spaces = studio.renderer.spaces();
     let n = transport.patches.len();
@@ -96,20 +101,20 @@ fn follows_the_cpu(
 #[test]
 fn bounce_and_receivers_follow_the_cpu_with_a_thread_a_row() {
     let Some(gpu) = gpu() else { return };
-    assert_eq!(follows_the_cpu(gpu, None, Summed::ByThread, &box_of(6)).0, 1);
+    assert_eq!(follows_the_cpu(gpu, None, Summed::ByThread, Forced::In, &box_of(6)).0, 1);
 }
 
 #[test]
 fn bounce_and_receivers_follow_the_cpu_with_a_workgroup_a_row() {
     let Some(gpu) = gpu() else { return };
-    assert_eq!(follows_the_cpu(gpu, None, Summed::ByGroup, &box_of(6)).0, 1);
+    assert_eq!(follows_the_cpu(gpu, None, Summed::ByGroup, Forced::In, &box_of(6)).0, 1);
 }
 
 #[test]
 fn pages_of_one_mebibyte_change_nothing() {
     let Some(gpu) = gpu() else { return };
     // 864 patches see five walls: 720 columns a row, 2.5 MB of weights.
-    assert!(follows_the_cpu(gpu, Some(1 << 20), Summed::ByThread, &box_of(12)).0 >= 3);
+    assert!(follows_the_cpu(gpu, Some(1 << 20), Summed::ByThread, Forced::In, &box_of(12)).0 >= 3);
 }
 
 /// The rows of receivers as the baker stores them: in four bytes an entry.
@@ -125,11 +130,36 @@ fn packed_rows_are_read_as_the_cpu_reads_them() {
     assert_ne!(packed.receiver_from_patch, rows);
     for summed in [Summed::ByThread, Summed::ByGroup] {
         let Some(gpu) = gpu() else { return };
-        let (_, bytes) = follows_the_cpu(gpu, None, summed, &packed);
+        let (_, bytes) = follows_the_cpu(gpu, None, summed, Forced::In, &packed);
         let Some(gpu) = self::gpu() else { return };
-        let (_, plain) = follows_the_cpu(gpu, None, summed, &box_of(6));
+        let (_, plain) = follows_the_cpu(gpu, None, summed, Forced::In, &box_of(6));
         assert_eq!(plain - bytes, 4 * rows.entries() as u64);
     }
+}
+
+/// Weights of all columns and no columns: singles, and the halves of the receivers' rows.
+#[test]
+fn dense_rows_are_read_as_the_cpu_reads_them() {
+    let mut packed = box_of(6);
+    for rows in [&mut packed.receiver_from_patch, &mut packed.patch_from_patch] {
+        let plain = std::mem::take(rows);
+        for row in 0..plain.len() {
+            let mut entries: Vec<(u32, f32)> = plain.row(row).collect();
+            fold(&mut entries);
+            rows.push(entries);
+        }
+    }
+    let rows = (packed.receiver_from_patch.len() + packed.patch_from_patch.len()) as u64;
+    let columns = packed.columns() as u64;
+    for summed in [Summed::ByThread, Summed::ByGroup] {
+        for (transport, bytes) in [(&box_of(6), 4 * columns), (&packed, 4 * columns.div_ceil(2))] {
+            let Some(gpu) = gpu() else { return };
+            let found = follows_the_cpu(gpu, None, summed, Forced::Out, transport);
+            assert_eq!(found, (1, rows * bytes));
+        }
+    }
+    let Some(gpu) = gpu() else { return };
+    assert!(follows_the_cpu(gpu, Some(1 << 20), Summed::ByThread, Forced::Out, &box_of(12)).0 >= 3);
 }
 
 #[test]

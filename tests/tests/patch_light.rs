@@ -4,8 +4,11 @@ use std::f32::consts::PI;
 
 use engine::gpu::{Gpu, buffer};
 use engine::render::{Eye, PatchShadows, Settings, View};
+use engine::scene::assets::{Picture, Pixels};
 use engine::scene::shape::{self, Shape};
-use engine::scene::{Entity, EntityId, LightKind, MeshSource, Scene, Transform, world_from_local};
+use engine::scene::{
+    Alpha, Entity, EntityId, ImageSource, LightKind, MeshSource, Scene, Texture, Transform, world_from_local,
+};
 use engine::transport::direct::{irradiance_of_patches, placed_lights};
 use engine::transport::surface::Blend;
 use engine::transport::{Batch, NONE, Occluders, Patch, Sample, Transport, Vertex};
@@ -245,6 +248,46 @@ fn maps_and_rays_agree() {
     let mean = mean / flux_into(&transport, &rays);
     println!("mean difference {mean} of the mean");
     assert!(mean < 0.01, "{mean}");
+}
+
+/// A mask's picture that is there everywhere, or nowhere.
+fn mask(alpha: u8) -> Picture {
+    Picture { width: 4, height: 4, pixels: Pixels::Rgba8(vec![[255, 255, 255, alpha]; 16]) }
+}
+
+#[test]
+fn rays_ask_the_map_where_a_picture_has_holes_and_only_there() {
+    let Some(gpu) = gpu() else { return };
+    let transport = furnished();
+    let mut studio = studio(gpu, transport.clone(), PatchShadows::Rays);
+    let mut scene = white(&transport);
+    lamps(&mut scene, 4);
+    let solid = on_gpu(&mut studio, &scene);
+    // The table, rectangles 12 to 17.
+    let mut without = scene.clone();
+    let table = without.entities[12..18].iter_mut();
+    table.for_each(|entity| entity.mesh.as_mut().unwrap().casts_shadows = false);
+    let open = on_gpu(&mut studio, &without);
+    let behind_table = open.iter().zip(&solid).filter(|(open, solid)| open != solid).count();
+    assert!((20..solid.len() / 2).contains(&behind_table), "{behind_table}");
+    for (alpha, truth) in [(0, &open), (255, &solid)] {
+        // A picture is read once: each has its own file.
+        let image = ImageSource { file: format!("mask {alpha}.png"), image: None };
+        studio.assets.images.insert(image.clone(), mask(alpha).into());
+        for material in &mut scene.materials[12..18] {
+            material.albedo.texture = Some(Texture::new(image.clone()));
+            material.alpha = Alpha::Mask { cutoff: 0.5 };
+        }
+        let found = on_gpu(&mut studio, &scene);
+        // Nothing stands between the others and the lamps but what is solid.
+        let elsewhere = (0..found.len()).filter(|&i| open[i] == solid[i] && found[i] != solid[i]).count();
+        let off = flux_into(&transport, &found) / flux_into(&transport, truth) - 1.0;
+        println!(
+            "alpha {alpha}: {behind_table} patches behind the table, {elsewhere} others differ, in all {off}"
+        );
+        assert_eq!(elsewhere, 0);
+        assert!(off.abs() < 0.01, "{off}");
+    }
 }
 
 #[test]

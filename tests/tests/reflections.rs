@@ -409,9 +409,8 @@ fn what_moves_is_drawn_on_top_of_what_stands_still() {
 // ---- the prefilter
 
 /// A cube as the GPU blurs it: level by level, and its harmonics.
-fn prefiltered(gpu: &Gpu, size: u32, texels: &[Vec3]) -> (Vec<Cube>, Vec<Vec3>) {
-    let mut library = shaders::library().unwrap();
-    let prefilter = Prefilter::new(gpu, &mut library).unwrap();
+fn prefiltered(gpu: &Arc<Gpu>, size: u32, texels: &[Vec3]) -> (Vec<Cube>, Vec<Vec3>) {
+    let prefilter = Prefilter::new(gpu, &shaders::compiler(gpu).unwrap());
     let harmonics = buffer::empty(gpu, "harmonics", 144, wgpu::BufferUsages::STORAGE);
     let source = prefilter.source(gpu, size, levels(size), &harmonics, 0);
     upload(gpu, &source.texture, &Cube::new(size as usize, texels.to_vec()), 1.0);
@@ -427,12 +426,12 @@ fn prefiltered(gpu: &Gpu, size: u32, texels: &[Vec3]) -> (Vec<Cube>, Vec<Vec3>) 
 
 #[test]
 fn a_cubemap_goes_to_the_gpu_and_comes_back() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = gpu().map(Arc::new) else { return };
     let size = 16_u32;
     let cube = texture::cubes(&gpu, "cube", size, 1, 5);
     let texels: Vec<Vec3> = (0..6 * size * size).map(|k| Vec3::new(k as f32, 2.0, -(k as f32))).collect();
     upload(&gpu, &cube, &Cube::new(size as usize, texels.clone()), 2.0);
-    let prefilter = Prefilter::new(&gpu, &mut shaders::library().unwrap()).unwrap();
+    let prefilter = Prefilter::new(&gpu, &shaders::compiler(&gpu).unwrap());
     let back = prefilter.read(&gpu, &cube, 0).unwrap();
     for (found, texel) in back.texels().iter().zip(&texels) {
         assert!((*found * 2.0 - *texel).abs().max_element() < 1.0, "{found} of {texel}");
@@ -441,7 +440,7 @@ fn a_cubemap_goes_to_the_gpu_and_comes_back() {
 
 #[test]
 fn a_constant_cubemap_is_the_same_at_every_roughness() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = gpu().map(Arc::new) else { return };
     let color = Vec3::new(0.25, 1.0, 3.0);
     let (levels, harmonics) = prefiltered(&gpu, 64, &vec![color; 6 * 64 * 64]);
     assert_eq!(levels.len(), 4);
@@ -454,7 +453,7 @@ fn a_constant_cubemap_is_the_same_at_every_roughness() {
 
 #[test]
 fn one_bright_texel_is_blurred_as_on_the_cpu() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = gpu().map(Arc::new) else { return };
     let size = 64_u32;
     // In the middle of a face, at an edge, and in a corner.
     for at in [(0, 30, 33), (2, 0, 20), (5, 63, 63)] {
@@ -462,7 +461,7 @@ fn one_bright_texel_is_blurred_as_on_the_cpu() {
         texels[((at.0 * size + at.1) * size + at.2) as usize] = Vec3::new(1000.0, 500.0, 250.0);
         let twin = Cube::new(size as usize, texels.clone());
         let (found, harmonics) = prefiltered(&gpu, size, &texels);
-        let prefilter = Prefilter::new(&gpu, &mut shaders::library().unwrap()).unwrap();
+        let prefilter = Prefilter::new(&gpu, &shaders::compiler(&gpu).unwrap());
         for (level, found) in (0..).zip(&found) {
             let samples = prefilter.samples(level, levels(size), size);
             let side = found.size();

@@ -5,14 +5,17 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 #[test]
 fn every_shader_is_valid() {
-    let mut library = shaders::library().unwrap();
+    let library = shaders::library().unwrap();
     let mut errors = Vec::new();
-    for source in shaders::PASSES {
-        match library.compose(source) {
+    let variants = shaders::PASSES
+        .into_iter()
+        .flat_map(|source| shaders::defines(source.name).into_iter().map(move |defines| (source, defines)));
+    for (source, defines) in variants {
+        match library.compose_with(source, &defines) {
             Ok(module) => {
                 let mut validator = Validator::new(ValidationFlags::all(), Capabilities::CUBE_ARRAY_TEXTURES);
                 if let Err(error) = validator.validate(&module) {
-                    errors.push(format!("{}: {}", source.name, error.into_inner()));
+                    errors.push(format!("{} {defines:?}: {}", source.name, error.into_inner()));
                 }
             }
             Err(error) => errors.push(error.to_string()),

@@ -15,8 +15,9 @@ const ROOMS: [(&str, &[&str]); 5] = [
     ("play", &["scene", "transport", "gpu", "render"]),
 ];
 
-/// The rooms' files that write to disk; `play` writes pictures and statistics where it is told to.
-const WRITERS: [&str; 2] = ["scene/file.rs", "transport/file.rs"];
+/// The rooms' files that write to disk; `play` writes pictures and statistics where it is told to. What is authored; light,
+/// and the two files of it that belong together.
+const WRITERS: [&str; 3] = ["scene/file.rs", "transport/file.rs", "transport/file/pair.rs"];
 
 #[test]
 fn rooms_name_only_the_rooms_below_them() {
@@ -52,7 +53,7 @@ fn the_bake_needs_no_gpu_and_no_window() {
 }
 
 #[test]
-fn engine_writes_files_in_two_places() {
+fn engine_writes_what_is_authored_and_light_and_nothing_else() {
     for file in ROOMS.iter().filter(|(room, _)| *room != "play").flat_map(|(room, _)| room_files(room)) {
         let source = read(&file);
         let calls: [&[&str]; 10] = [
@@ -70,6 +71,22 @@ fn engine_writes_files_in_two_places() {
         let writes = calls.iter().any(|call| source.names(call));
         let may = WRITERS.iter().any(|writer| file.ends_with(writer));
         assert!(may || !writes, "{} writes to disk", file.display());
+    }
+}
+
+#[test]
+fn what_is_edited_knows_nothing_of_windows() {
+    let source = workspace().join("editor/src");
+    let rooms =
+        ["document", "edit", "command", "importing", "baking"].map(|room| files(&source.join(room), "rs"));
+    let names =
+        ["assets", "clipboard", "history", "intents", "log", "primitives", "recent", "recovery", "selection"];
+    let single = names.map(|name| source.join(name).with_extension("rs"));
+    for file in rooms.into_iter().flatten().chain(single) {
+        let source = read(&file);
+        for window in ["egui", "eframe", "winit", "wgpu"] {
+            assert!(!source.names(&[window]), "{} names {window}", file.display());
+        }
     }
 }
 

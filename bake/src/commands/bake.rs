@@ -26,6 +26,7 @@ pub fn run(of: &SceneArgs, args: &BakeArgs) -> Result<ExitCode> {
             "holds": certificate.holds(),
             "statements": certificate.statements(),
             "certificate": certificate,
+            "sections": engine::transport::file::sections(&baked.file)?,
             "warnings": baked.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
         }));
     } else {

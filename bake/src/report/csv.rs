@@ -78,7 +78,7 @@ mod tests {
         };
         let mut points = vec![point("1 ray", 1.0, 0.5), point("2, or more", 2.0, 0.75)];
         points[0].preset = Some("draft".to_owned());
-        let series = vec![Series { name: "rays".to_owned(), points }];
+        let series = vec![Series::new("rays", points)];
         let text = text(diagram(&Diagram { series, ..Diagram::default() }));
         let lines: Vec<&str> = text.lines().skip(1).collect();
         assert_eq!(lines[0], "rays,1 ray,1,1,1,3,0.5,-0.25,1,0.30000000000000004,draft,true");

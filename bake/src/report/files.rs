@@ -32,6 +32,8 @@ pub struct Told<'a> {
     pub statements: Vec<Statement>,
     pub presets: Vec<Verdict>,
     pub trends: Vec<Trend>,
+    /// Whether the parts of the error add up to it.
+    pub adds_up: bool,
 }
 
 impl<'a> Told<'a> {
@@ -41,6 +43,7 @@ impl<'a> Told<'a> {
             statements: report.certificate.statements(),
             presets: verdicts(&report.diagrams),
             trends: trends(&report.diagrams),
+            adds_up: report.split.adds_up(),
         }
     }
 }

@@ -26,6 +26,8 @@ pub struct Verdict {
     pub error_factor: f64,
     pub x_factor: f64,
     pub on_front: bool,
+    /// Of which its cost is the median.
+    pub runs: usize,
 }
 
 impl Front {
@@ -94,8 +96,8 @@ fn verdicts_of(diagram: &Diagram) -> Vec<Verdict> {
         let error_factor = ratio(error, front.error_at(x));
         let x_factor = ratio(x, front.x_at(error));
         let on_front = error_factor.min(x_factor) <= NEAR;
-        let (diagram, setting) = (diagram.id.clone(), point.setting);
-        Verdict { diagram, series, setting, preset, error_factor, x_factor, on_front }
+        let (diagram, setting, runs) = (diagram.id.clone(), point.setting, point.runs);
+        Verdict { diagram, series, setting, preset, error_factor, x_factor, on_front, runs }
     };
     presets.map(verdict).collect()
 }
@@ -121,7 +123,7 @@ mod tests {
         let point =
             |[x, rms]: [f64; 2]| Point { x, error: Error { rms, ..Error::default() }, ..Point::default() };
         let points = points.iter().copied().map(point).collect();
-        Diagram { series: vec![Series { name: "rays".to_owned(), points }], ..Diagram::default() }
+        Diagram { series: vec![Series::new("rays", points)], ..Diagram::default() }
     }
 
     #[test]

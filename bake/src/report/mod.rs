@@ -33,7 +33,7 @@ use crate::{BakeError, Opened, Settings, Solvable, Watcher};
 
 /// Of the budget, what the bake may take, then the player of what is left.
 const FOR_BAKE: f64 = 0.6;
-const FOR_PLAYER: f64 = 0.25;
+const FOR_PLAYER: f64 = 0.3;
 /// Of what is left after both, and seconds at least: to draw and to write.
 const FOR_PAGE: f64 = 0.03;
 const FOR_PAGE_AT_LEAST: f64 = 2.0;

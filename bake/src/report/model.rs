@@ -73,7 +73,8 @@ pub struct Diagram {
     /// Which of an error's numbers is drawn along y.
     pub norm: Norm,
     pub series: Vec<Series>,
-    /// Errors that no setting of these can go below, drawn as a horizontal line.
+    /// Errors that no setting of these goes below, or below which none counts; drawn as horizontal lines. The highest
+    /// is the diagram's floor.
     pub floors: Vec<Floor>,
 }
 
@@ -97,6 +98,8 @@ pub enum Norm {
 pub struct Series {
     pub name: String,
     pub points: Vec<Point>,
+    /// Its own, above the diagram's.
+    pub floor: Option<Floor>,
 }
 
 #[derive(Clone, Debug, Default, Serialize)]
@@ -138,8 +141,44 @@ pub struct Split {
     pub total: Error,
     /// rms of (sum of the parts' fields - the total's field) over the rms of the total's field.
     pub unexplained: f64,
+    pub seeds: Seeds,
     /// Standard error of the reference, rms over its mean: differences below it say nothing.
     pub reference_error: f64,
+}
+
+/// The parts against one path-traced field, the total against another that shares no random number with it: what the
+/// fields differ by is noise of both, and their replicates say how much of it there must be. All over the total's rms.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Seeds {
+    /// rms of what the parts then miss the total by.
+    pub missed: f64,
+    /// rms of the noise, by the standard errors of both fields.
+    pub noise: f64,
+    /// One sigma of noise^2, relative: how far from it the square of what is missed may lie by chance.
+    pub spread: f64,
+}
+
+/// The parts add up to the total where they miss it by no more of its rms.
+pub const ADDS_UP: f64 = 0.05;
+
+impl Split {
+    /// Against one reference, and against two but for their noise.
+    pub fn adds_up(&self) -> bool {
+        self.unexplained <= ADDS_UP && self.seeds.is_noise()
+    }
+}
+
+impl Seeds {
+    /// Noise, at three sigma, and [`ADDS_UP`] explain what is missed.
+    pub fn is_noise(&self) -> bool {
+        let explained = self.noise.powi(2) * (1.0 + 3.0 * self.spread) + ADDS_UP.powi(2);
+        self.missed.powi(2) <= explained
+    }
+
+    /// Of what is missed, what the noise does not explain.
+    pub fn beyond_noise(&self) -> f64 {
+        (self.missed.powi(2) - self.noise.powi(2)).max(0.0).sqrt()
+    }
 }
 
 #[derive(Clone, Debug, Default, Serialize)]
@@ -165,6 +204,13 @@ pub struct Advice {
     /// Factors against the shipped setting, of time (or bytes) and of error.
     pub cost: f64,
     pub error: f64,
+}
+
+impl Series {
+    /// Without a floor of its own.
+    pub fn new(name: impl Into<String>, points: Vec<Point>) -> Self {
+        Self { name: name.into(), points, floor: None }
+    }
 }
 
 impl Error {
@@ -203,5 +249,24 @@ impl Error {
             Norm::P99 => self.p99,
             Norm::Max => self.max,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn split(unexplained: f64, missed: f64) -> Split {
+        let seeds = Seeds { missed, noise: 0.5, spread: 0.2 };
+        Split { unexplained, seeds, ..Split::default() }
+    }
+
+    #[test]
+    fn parts_add_up_where_the_sum_is_near_and_noise_explains_what_two_seeds_miss() {
+        assert!(split(0.04, 0.6).adds_up());
+        assert!(!split(0.06, 0.6).adds_up());
+        assert!(!split(0.04, 0.7).adds_up());
+        assert!((split(0.0, 0.7).seeds.beyond_noise() - 0.24_f64.sqrt()).abs() < 1e-12);
+        assert_eq!(split(0.0, 0.3).seeds.beyond_noise(), 0.0);
     }
 }

@@ -10,6 +10,7 @@ use super::model::{Diagram, Part, Point, Report, Split};
 use super::numbers::{bytes, factor, milliseconds, plain, quantity, seconds, share, signed_share};
 use super::plot::Plot;
 use super::sentences;
+use super::trend::Trend;
 
 const STYLE: &str = include_str!("page.css");
 
@@ -34,8 +35,9 @@ pub fn page(told: &Told, settings: &ReportSettings, plots: &[Plot]) -> String {
                     (split(&report.split, plots.last()))
                     h2 { "Error against run time" }
                     @for (diagram, plot) in of_diagrams { (of_diagram(told, diagram, plot)) }
-                    (advice(report))
+                    (curves(told))
                     (presets(told))
+                    (advice(report))
                     (certificate(told))
                     (measured(report, settings))
                 }
@@ -94,10 +96,7 @@ fn split(split: &Split, plot: Option<&Plot>) -> Markup {
                 }
             }
         }
-        p.small {
-            "The parts' fields, added point by point, miss the total's field by " (share(split.unexplained))
-            " of its rms. The reference's standard error is " (share(split.reference_error)) " of the mean."
-        }
+        @for sentence in sentences::of_sum(split) { p { (sentence) } }
     }
 }
 
@@ -185,21 +184,63 @@ fn advice(report: &Report) -> Markup {
     }
 }
 
+/// Every method that has more than one point, and a floor to fall to.
+fn curves(told: &Told) -> Markup {
+    let curves: Vec<&Trend> = told.trends.iter().filter(|trend| trend.is_curve()).collect();
+    let is = |trend: &Trend| match (trend.falls, trend.reaches) {
+        (true, true) => "yes",
+        (false, true) => "rises on the way",
+        (true, false) => "ends above",
+        (false, false) => "rises, ends above",
+    };
+    html! {
+        @if !curves.is_empty() {
+            h2 { "The curves and their floors" }
+            p { (sentences::of_curves(&told.trends)) }
+            details {
+                summary { "All curves" }
+                div.wide {
+                    table {
+                        thead { tr { th { "in" } th { "method" } th.n { "least error" } th.n { "floor" } th { "which floor" } th.n { "times the floor" } th { "falls until within twice its floor" } } }
+                        tbody {
+                            @for trend in curves {
+                                tr {
+                                    td { @if let Some(title) = title(told, &trend.diagram) { (title) } }
+                                    td { (trend.series) }
+                                    td.n { (share(trend.least)) }
+                                    td.n { (share(trend.floor)) }
+                                    td { (trend.floor_name) }
+                                    td.n { (factor(trend.least / trend.floor)) }
+                                    td { (verdict(trend.holds(), "yes", is(trend))) }
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn title<'a>(told: &'a Told, id: &str) -> Option<&'a String> {
+    told.report.diagrams.iter().find(|diagram| diagram.id == id).map(|found| &found.title)
+}
+
 fn presets(told: &Told) -> Markup {
-    let title =
-        |id: &str| told.report.diagrams.iter().find(|diagram| diagram.id == id).map(|found| &found.title);
     html! {
         @if !told.presets.is_empty() {
             h2 { "The shipped settings" }
+            p { (sentences::of_presets(&told.presets)) }
             div.wide {
                 table {
-                    thead { tr { th { "preset" } th { "in" } th { "setting" } th.n { "error over the front's" } th.n { "cost over the front's" } th { "on the front" } } }
+                    thead { tr { th { "preset" } th { "in" } th { "setting" } th.n { "runs" } th.n { "error over the front's" } th.n { "cost over the front's" } th { "on the front" } } }
                     tbody {
                         @for preset in &told.presets {
                             tr {
                                 td { b { (preset.preset) } }
-                                td { @if let Some(title) = title(&preset.diagram) { (title) } }
+                                td { @if let Some(title) = title(told, &preset.diagram) { (title) } }
                                 td { (preset.series) ", " (preset.setting) }
+                                td.n { (preset.runs) }
                                 td.n { (factor(preset.error_factor)) }
                                 td.n { (factor(preset.x_factor)) }
                                 td { (verdict(preset.on_front, "yes", "no")) }

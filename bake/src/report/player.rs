@@ -1,8 +1,9 @@
 //! What only the player can say: the scene's picture, milliseconds on the GPU, and the light that the GPU solved.
 //!
-//! It is run from beside this program's own executable, without a window: for the light, for the picture, twice for every
-//! number of products (a single frame from darkness for the light, many for the time), and once with all motion. Where it is missing
-//! or cannot draw, the report says so and goes on.
+//! It is run from beside this program's own executable, without a window: for the light, for the picture, for a few frames
+//! with all motion, and twice for every number of products (a single frame from darkness for the light, several for the
+//! time). What every report has to show comes first; what refines it takes the time that is left, and more frames where
+//! frames are quick. Where the player is missing or cannot draw, the report says so and goes on.
 
 mod child;
 mod light;
@@ -23,18 +24,23 @@ use crate::{BakeError, Watcher};
 const SIZE: &str = "960x540";
 /// Where the picture does not matter.
 const SMALL: &str = "16x16";
-/// Until light and reflections have settled.
-const STILL_FRAMES: u32 = 24;
-/// Half a second with all motion.
-const LIVE_FRAMES: &str = "30";
-const TIMED_FRAMES: usize = 24;
+/// Until light has settled, and reflections, too.
+const SOLVED_FRAMES: u32 = 4;
+const STILL_FRAMES: u32 = 16;
+/// With all motion: at least, and half a second of it where that takes no more than so much of what is left.
+const FEW_FRAMES: usize = 6;
+const LIVE_FRAMES: usize = 30;
+const FOR_LIVE: f64 = 0.25;
+const TIMED_FRAMES: usize = 8;
 /// The widest spread first: what the time does not allow for is missing between them.
 const PRODUCTS: [u32; 9] = [1, 16, 4, 8, 2, 3, 6, 12, 24];
+/// So many of them in any case.
+const LEAST: usize = 3;
 
 /// Of the time that is left when its turn comes, what each may take.
 const FOR_LIGHT: f64 = 0.5;
 const FOR_PICTURE: f64 = 0.5;
-const FOR_PRODUCTS: f64 = 0.6;
+const FOR_MOTION: f64 = 0.4;
 
 /// What the player showed and said.
 #[derive(Clone, Debug, Default)]
@@ -75,7 +81,7 @@ pub fn play(
     budget: &Budget,
     watcher: &dyn Watcher,
 ) -> Result<(Option<Played>, Vec<String>), BakeError> {
-    watcher.stage("player", 3 + 2 * PRODUCTS.len() as u64);
+    watcher.stage("player", 4 + 2 * PRODUCTS.len() as u64);
     let child = match Child::new(project, scene) {
         Ok(child) => child,
         Err(why) => return Ok((None, vec![format!("no picture and no times on the GPU: {why}")])),
@@ -90,21 +96,21 @@ pub fn play(
         Ok(picture) => played.picture = Some(picture),
         Err(why) => notes.push(format!("no picture: {why}")),
     }
-    let for_products = budget.part(FOR_PRODUCTS);
-    for products in PRODUCTS {
-        match run.swept(products, &for_products)? {
-            Ok(swept) => played.sweep.push(swept),
-            Err(why) => {
-                notes.push(format!("{products} products a frame were not measured on the GPU: {why}"));
-                break;
-            }
-        }
-    }
-    played.sweep.sort_by_key(|swept| swept.products);
-    match run.live(budget)? {
+    let (few, rest) = PRODUCTS.split_at(LEAST);
+    let began = budget.spent();
+    match run.live(FEW_FRAMES, &budget.part(FOR_MOTION))? {
         Ok(said) => said.times(&mut played),
         Err(why) => notes.push(format!("no times of the moving scene on the GPU: {why}")),
     }
+    let seconds = (budget.spent() - began) * (LIVE_FRAMES / FEW_FRAMES) as f64;
+    run.sweep(few, &mut played.sweep, &mut notes, budget)?;
+    if seconds < FOR_LIVE * budget.left()
+        && let Ok(said) = run.live(LIVE_FRAMES, budget)?
+    {
+        said.times(&mut played);
+    }
+    run.sweep(rest, &mut played.sweep, &mut notes, budget)?;
+    played.sweep.sort_by_key(|swept| swept.products);
     Ok((Some(played), notes))
 }
 
@@ -122,7 +128,7 @@ impl Run<'_> {
     /// what it was solved with.
     fn solved(&self, budget: &Budget) -> Said<Played> {
         let args = ["--still", "--stats", "stats.json", "--light", "light.csv", "--size", SMALL];
-        Ok(self.still(&args, budget)?.and_then(|()| {
+        Ok(self.still(SOLVED_FRAMES, &args, budget)?.and_then(|()| {
             let said = self.statistics()?;
             Ok(Played {
                 bound: said.bound.iter().rev().copied().flatten().next(),
@@ -139,20 +145,42 @@ impl Run<'_> {
         let args = ["--out", "pictures", "--every", &last, "--size", SIZE];
         let file = self.child.file(&format!("pictures/frame_{:05}.png", STILL_FRAMES - 1));
         let read = || std::fs::read(file).map_err(|error| error.to_string());
-        Ok(self.still(&args, budget)?.and_then(|()| read()))
+        Ok(self.still(STILL_FRAMES, &args, budget)?.and_then(|()| read()))
     }
 
     /// The scene as it is at the start, until nothing changes any more.
-    fn still(&self, args: &[&str], budget: &Budget) -> Said<()> {
-        let frames = STILL_FRAMES.to_string();
+    fn still(&self, frames: u32, args: &[&str], budget: &Budget) -> Said<()> {
+        let frames = frames.to_string();
         self.run(&[&["--frames", &frames, "--fixed-dt", "0"], args].concat(), budget)
     }
 
-    /// Half a second in which everything moves that does.
-    fn live(&self, budget: &Budget) -> Said<Statistics> {
+    /// Frames of a sixtieth of a second in which everything moves that does.
+    fn live(&self, frames: usize, budget: &Budget) -> Said<Statistics> {
+        let frames = frames.to_string();
         let args =
-            ["--frames", LIVE_FRAMES, "--fixed-dt", "0.016666667", "--size", SIZE, "--stats", "stats.json"];
+            ["--frames", &frames, "--fixed-dt", "0.016666667", "--size", SIZE, "--stats", "stats.json"];
         Ok(self.run(&args, budget)?.and_then(|()| self.statistics()))
+    }
+
+    /// One number of products after the other, until the time is up.
+    fn sweep(
+        &self,
+        counts: &[u32],
+        swept: &mut Vec<Swept>,
+        notes: &mut Vec<String>,
+        budget: &Budget,
+    ) -> Result<(), BakeError> {
+        for (k, &products) in counts.iter().enumerate() {
+            match self.swept(products, budget)? {
+                Ok(found) => swept.push(found),
+                Err(why) => {
+                    let missing: Vec<String> = counts[k..].iter().map(u32::to_string).collect();
+                    notes.push(format!("on the GPU no frames of {} products: {why}", missing.join(", ")));
+                    break;
+                }
+            }
+        }
+        Ok(())
     }
 
     fn swept(&self, products: u32, budget: &Budget) -> Said<Swept> {

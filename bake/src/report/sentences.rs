@@ -1,9 +1,9 @@
 //! What the numbers say, in words: sentences whose every figure was measured.
 
 use super::front::{Front, Verdict, is_measured, place};
-use super::model::{Diagram, Part, Report, Series};
+use super::model::{ADDS_UP, Diagram, Part, Report, Series, Split};
 use super::numbers::{factor, milliseconds, seconds, share, signed_share};
-use super::trend::trend;
+use super::trend::{Trend, trend};
 
 /// A method that errs so many times more is hardly a choice.
 const FAR: f64 = 1e4;
@@ -40,9 +40,80 @@ fn parts(report: &Report) -> Option<String> {
     let [first, rest @ ..] = &named[..] else { return None };
     let then = if rest.is_empty() { String::new() } else { format!(", then {}", rest.join(" and ")) };
     Some(format!(
-        "Most of it is {first}{then}; field by field the parts add up to the total but for {} of its norm.",
+        "Most of it is {first}{then}; field by field the parts {} the total ({} of its norm is missing).",
+        if report.split.adds_up() { "add up to" } else { "do not add up to" },
         share(report.split.unexplained)
     ))
+}
+
+/// Whether the parts add up to the total.
+pub fn of_sum(split: &Split) -> Vec<String> {
+    if split.total.rms == 0.0 {
+        return Vec::new();
+    }
+    let (seeds, verdict) = (&split.seeds, if split.adds_up() { "They add up" } else { "They do not add up" });
+    let noise = 0.5 * seeds.noise;
+    let of_seeds = if seeds.is_noise() {
+        "noise explains it".to_owned()
+    } else {
+        format!("noise leaves {} unexplained", share(seeds.beyond_noise()))
+    };
+    vec![
+        format!(
+            "{verdict}: the parts' fields, added point by point, miss the total's field by {} of its rms (at most {}). Both \
+             end at the same path-traced field, which is known to {} of the mean: {} of the total is its noise.",
+            share(split.unexplained),
+            share(ADDS_UP),
+            share(split.reference_error),
+            share(noise),
+        ),
+        format!(
+            "Where the parts end at one path-traced field and the total at another, of other seeds, they miss it by {}; \
+             their noise alone, by the replicates of both, would make that {}: {of_seeds}.",
+            share(seeds.missed),
+            share(seeds.noise),
+        ),
+    ]
+}
+
+/// How many curves reach their floors, and which do not.
+pub fn of_curves(trends: &[Trend]) -> String {
+    let (good, bad): (Vec<&Trend>, Vec<&Trend>) =
+        trends.iter().filter(|trend| trend.is_curve()).partition(|trend| trend.holds());
+    let count = good.len() + bad.len();
+    if bad.is_empty() {
+        return format!("All {count} curves fall until within twice their floors.");
+    }
+    let named: Vec<String> = bad
+        .iter()
+        .map(|trend| {
+            let how = match trend.reaches {
+                true => "rises on the way".to_owned(),
+                false => format!("ends at {} times its floor", factor(trend.least / trend.floor)),
+            };
+            format!("{} ({}) {how}", trend.series, trend.diagram)
+        })
+        .collect();
+    format!("{} of {count} curves fall until within twice their floors. {}.", good.len(), named.join("; "))
+}
+
+/// How many shipped settings lie on the front.
+pub fn of_presets(presets: &[Verdict]) -> String {
+    let off: Vec<String> = presets
+        .iter()
+        .filter(|preset| !preset.on_front)
+        .map(|preset| {
+            let times = preset.error_factor.min(preset.x_factor);
+            format!("{} in {} by {}", preset.preset, preset.diagram, factor(times))
+        })
+        .collect();
+    match off.is_empty() {
+        true => format!("All {} lie within 15 % of the front.", presets.len()),
+        false => {
+            let on = presets.len() - off.len();
+            format!("{on} of {} lie within 15 % of the front; off it: {}.", presets.len(), off.join("; "))
+        }
+    }
 }
 
 fn bake(report: &Report) -> String {
@@ -117,7 +188,12 @@ fn of_leading(diagram: &Diagram, series: &Series) -> String {
         None => format!("{name}: the error goes {range}."),
     };
     let rises = if trend.falls { "" } else { " It rises on the way, above twice its floor." };
-    slope + rises
+    let ends = if trend.is_curve() && !trend.reaches {
+        format!(" It ends at {} times its floor.", factor(trend.least / trend.floor))
+    } else {
+        String::new()
+    };
+    slope + rises + &ends
 }
 
 /// How many times more the others err at the same cost, in the middle of their points.
@@ -174,7 +250,7 @@ mod tests {
             preset: preset.map(str::to_owned),
             ..Point::default()
         };
-        Series { name: name.to_owned(), points: points.iter().copied().map(point).collect() }
+        Series::new(name, points.iter().copied().map(point).collect())
     }
 
     #[test]

@@ -15,14 +15,34 @@ const NOISE: f64 = 1.05;
 pub struct Trend {
     pub diagram: String,
     pub series: String,
+    /// Measured points.
+    pub points: usize,
     /// Twice the cost gives the error times this much, above the floor; none for fewer than two points.
     pub per_doubling: Option<f64>,
-    /// The lowest floor of the diagram, or else the least error.
+    /// The method's own floor or else the diagram's highest; without either the least error, and no name.
     pub floor: f64,
+    pub floor_name: String,
+    /// The least error of all points.
+    pub least: f64,
     /// Each point's error is below the one before, until it is within twice the floor.
     pub falls: bool,
+    /// Some point is within twice a floor that has a name.
+    pub reaches: bool,
 }
 
+impl Trend {
+    /// Whether there is a curve, and something for it to fall to.
+    pub fn is_curve(&self) -> bool {
+        self.points > 1 && !self.floor_name.is_empty()
+    }
+
+    /// Falls until within twice its floor.
+    pub fn holds(&self) -> bool {
+        self.falls && self.reaches
+    }
+}
+
+/// Of all curves.
 pub fn trends(diagrams: &[Diagram]) -> Vec<Trend> {
     let of = |diagram: &Diagram| -> Vec<Trend> {
         diagram.series.iter().map(|series| trend(diagram, series)).collect()
@@ -34,21 +54,25 @@ pub fn trend(diagram: &Diagram, series: &Series) -> Trend {
     let points: Vec<[f64; 2]> =
         series.points.iter().map(|point| place(diagram, point)).filter(is_measured).collect();
     let least = points.iter().map(|point| point[1]).fold(f64::INFINITY, f64::min);
-    let floors = diagram.floors.iter().map(|floor| floor.y).filter(|floor| *floor > 0.0);
-    let floor = floors.fold(f64::INFINITY, f64::min);
-    let floor = if floor.is_finite() { floor } else { least };
+    let floors = diagram.floors.iter().filter(|floor| floor.y > 0.0);
+    let known = series.floor.as_ref().or(floors.max_by(|a, b| a.y.total_cmp(&b.y)));
+    let floor = known.map_or(least, |floor| floor.y);
     let until = |enough: f64| {
         let first = points.iter().position(|point| point[1] <= enough);
         &points[..first.map_or(points.len(), |first| first + 1)]
     };
     // Where no floor is known, the least error is none to stop short of.
-    let sloping = until(if diagram.floors.is_empty() { floor } else { AT_FLOOR * floor });
+    let sloping = until(if known.is_none() { floor } else { AT_FLOOR * floor });
     Trend {
         diagram: diagram.id.clone(),
         series: series.name.clone(),
+        points: points.len(),
         per_doubling: slope(sloping).map(f64::exp2),
         floor: if floor.is_finite() { floor } else { 0.0 },
+        floor_name: known.map_or(String::new(), |floor| floor.name.clone()),
+        least: if least.is_finite() { least } else { 0.0 },
         falls: until(AT_FLOOR * floor).windows(2).all(|pair| pair[1][1] <= NOISE * pair[0][1]),
+        reaches: known.is_some() && least <= AT_FLOOR * floor,
     }
 }
 
@@ -72,7 +96,7 @@ mod tests {
     fn trend_of(points: &[[f64; 2]], floors: &[f64]) -> Trend {
         let point =
             |[x, rms]: [f64; 2]| Point { x, error: Error { rms, ..Error::default() }, ..Point::default() };
-        let series = Series { name: "rays".to_owned(), points: points.iter().copied().map(point).collect() };
+        let series = Series::new("rays", points.iter().copied().map(point).collect());
         let floors = floors.iter().map(|y| Floor { name: "noise".to_owned(), y: *y }).collect();
         let diagram = Diagram { series: vec![series.clone()], floors, ..Diagram::default() };
         trend(&diagram, &series)
@@ -88,6 +112,15 @@ mod tests {
     fn a_curve_may_rise_at_its_floor_and_nowhere_else() {
         assert!(trend_of(&[[1.0, 1.0], [2.0, 0.19], [3.0, 0.3]], &[0.1]).falls);
         assert!(!trend_of(&[[1.0, 1.0], [2.0, 0.3], [3.0, 0.4]], &[0.1]).falls);
+    }
+
+    #[test]
+    fn a_curve_that_ends_above_twice_its_floor_does_not_hold() {
+        let ends = |error: f64| trend_of(&[[1.0, 1.0], [2.0, error]], &[0.1]);
+        assert!(ends(0.19).holds() && !ends(0.21).holds() && ends(0.21).falls);
+        assert!(!trend_of(&[[1.0, 1.0], [2.0, 0.5]], &[]).is_curve());
+        // Of two floors the higher one is met first.
+        assert!(trend_of(&[[1.0, 1.0], [2.0, 0.21]], &[0.01, 0.11]).holds());
     }
 
     #[test]

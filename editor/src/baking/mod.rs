@@ -10,7 +10,7 @@ use std::thread::JoinHandle;
 
 use bake::{BakeError, Settings};
 use engine::scene::assets::Assets;
-use engine::scene::file::Quality;
+use engine::scene::file::{Quality, load_project};
 use engine::scene::{Scene, Warning};
 use engine::transport::key::{BakeWith, inputs};
 use engine::transport::stale::Stale as Difference;
@@ -37,7 +37,9 @@ pub enum Badge {
 pub struct Baked {
     pub transport: Arc<Transport>,
     pub warnings: Vec<Warning>,
-    /// The document's revision that it was made of or compared with, and what it differed by.
+    /// The state of the document that it was made of or found with.
+    state: Option<u64>,
+    /// The document's revision that it was compared with, and what it differed by.
     revision: u64,
     differs: Difference,
 }
@@ -60,11 +62,17 @@ impl<T: Send + 'static> Job<T> {
     }
 }
 
+/// A bake that goes on.
+struct Bake {
+    job: Job<Result<Baked, BakeError>>,
+    meter: Arc<Meter>,
+}
+
 /// The bake that is shown, and the one that is made.
 #[derive(Default)]
 pub struct Baking {
     shown: Option<Baked>,
-    bake: Option<(Job<Result<Baked, BakeError>>, Arc<Meter>)>,
+    bake: Option<Bake>,
     compare: Option<Job<(u64, Difference)>>,
 }
 
@@ -91,33 +99,34 @@ impl Baking {
         let settings = Settings { threads: settings.threads.or(Some(threads)), ..settings };
         let meter = Arc::new(Meter::default());
         let (project, name) = (document.project().to_owned(), document.name().to_owned());
-        let (scene, revision, watcher) = (document.scene().clone(), document.revision(), meter.clone());
+        let (scene, watcher) = (document.scene().clone(), meter.clone());
+        let (state, revision) = (document.state(), document.revision());
         let work = move || {
             let baked = bake::bake_scene(&project, &name, scene, &settings, &*watcher)?;
             let (transport, differs) = (Arc::new(baked.transport), Difference::default());
-            Ok(Baked { transport, warnings: baked.warnings, revision, differs })
+            Ok(Baked { transport, warnings: baked.warnings, state, revision, differs })
         };
         let job = Job::start("bake", work).map_err(|error| format!("the bake cannot start: {error}"))?;
-        self.bake = Some((job, meter));
+        self.bake = Some(Bake { job, meter });
         Ok(())
     }
 
     /// It stops within a second and keeps what can be used by the next.
     pub fn cancel(&self) {
-        if let Some((_, meter)) = &self.bake {
-            meter.cancel();
+        if let Some(bake) = &self.bake {
+            bake.meter.cancel();
         }
     }
 
     pub fn progress(&self) -> Option<Progress> {
-        self.bake.as_ref().map(|(_, meter)| meter.progress())
+        self.bake.as_ref().map(|bake| bake.meter.progress())
     }
 
     /// To be called with every picture: the bake that has just ended. Its light is shown from then on, where there
     /// is any; a bake whose certificate does not hold is an error, and what was shown stays.
     pub fn poll(&mut self) -> Option<Result<Vec<Warning>, String>> {
         self.take_comparison();
-        let ended = self.bake.as_mut()?.0.poll()?;
+        let ended = self.bake.as_mut()?.job.poll()?;
         self.bake = None;
         let baked = match ended {
             Ok(Ok(baked)) => baked,
@@ -140,8 +149,8 @@ impl Baking {
         match document.stale_since(shown.revision) {
             Stale::Transport => Badge::Stale(String::new()),
             _ if !shown.differs.is_empty() => Badge::Stale(shown.differs.to_string()),
-            Stale::Light => Badge::LightOnly,
-            Stale::Nothing => Badge::Current,
+            _ if shown.state.is_some() && shown.state == document.state() => Badge::Current,
+            _ => Badge::LightOnly,
         }
     }
 
@@ -154,8 +163,8 @@ impl Baking {
             return;
         }
         let (scene, assets, revision) = (document.scene().clone(), assets.clone(), document.revision());
-        let transport = shown.transport.clone();
-        let compare = move || (revision, difference(&transport.certificate, &scene, &assets));
+        let (project, transport) = (document.project().to_owned(), shown.transport.clone());
+        let compare = move || (revision, difference(&project, &transport.certificate, &scene, &assets));
         // Without a thread the badge stays as careful as it was.
         self.compare = Job::start("compare bake", compare).ok();
     }
@@ -169,32 +178,28 @@ impl Baking {
     }
 }
 
-/// The bake that lies on disk, whatever of it is stale; none is none. It reads the whole file: call it from where scenes
-/// are opened, not from a picture. `revision`: the document's whose scene this is.
-pub fn load(
-    project: &Path,
-    name: &str,
-    scene: &Scene,
-    assets: &Assets,
-    revision: u64,
-) -> Result<Option<Baked>, String> {
-    let path = file::path(project, name);
-    if !path.is_file() {
+/// The bake of a document that lies on disk, whatever of it is stale; none is none. It reads the whole file: call it from
+/// where scenes are opened, not from a picture.
+pub fn load(document: &Document, assets: &Assets) -> Result<Option<Baked>, String> {
+    let (project, name) = (document.project(), document.name());
+    if !file::path(project, name).is_file() && !file::full_path(project, name).is_file() {
         return Ok(None);
     }
-    let transport = file::load(&path).map_err(|error| bake::chain::told(&error))?;
-    let differs = difference(&transport.certificate, scene, assets);
-    Ok(Some(Baked { transport: Arc::new(transport), warnings: Vec::new(), revision, differs }))
+    let transport = file::load_full(project, name).map_err(|error| bake::chain::told(&error))?;
+    let differs = difference(project, &transport.certificate, document.scene(), assets);
+    let (state, revision) = (document.state(), document.revision());
+    Ok(Some(Baked { transport: Arc::new(transport), warnings: Vec::new(), state, revision, differs }))
 }
 
-/// Between what was baked and a scene.
-pub fn difference(certificate: &Certificate, scene: &Scene, assets: &Assets) -> Difference {
+/// Between what was baked and a scene, with the features that its project asks for. Reads the project's settings.
+pub fn difference(project: &Path, certificate: &Certificate, scene: &Scene, assets: &Assets) -> Difference {
     let with = BakeWith {
         quality: Quality::default(), // a name for rays and length
         rays: certificate.rays_per_row,
         length: certificate.base_length,
     };
-    Difference::between(&certificate.inputs, &inputs(scene, assets, &with))
+    let features = load_project(project).unwrap_or_default().features;
+    Difference::between(&certificate.inputs, &inputs(scene, assets, &with, &features))
 }
 
 /// The editor that ends does not wait for a bake that nobody will see.

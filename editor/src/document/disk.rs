@@ -33,7 +33,11 @@ pub enum Work {
         path: PathBuf,
         notes: Notes,
     },
-    Follow(Vec<PathBuf>),
+    /// With what is known of the first of them.
+    Follow {
+        files: Vec<PathBuf>,
+        scene: Option<Stamp>,
+    },
     Look,
 }
 
@@ -102,7 +106,10 @@ fn serve(asked: Receiver<Work>, answer: Sender<Done>) {
                 None
             }
             Work::Notes { path, notes } => notes.save(&path).err().map(Done::Notes),
-            Work::Follow(files) => {
+            Work::Follow { files, scene } => {
+                if let (Some(file), Some(stamp)) = (files.first(), scene) {
+                    watch.expect(file.clone(), stamp);
+                }
                 watch.follow(files);
                 None
             }

@@ -287,7 +287,13 @@ impl Document {
 
     /// Differs from what its file holds.
     pub fn is_dirty(&self) -> bool {
-        self.saved_state != Some(self.state) || self.drag.as_ref().is_some_and(|drag| drag.back.is_some())
+        self.state().is_none() || self.saved_state != Some(self.state)
+    }
+
+    /// The state that the scene is in: the same number again means the same scene. `None`: a preview is shown.
+    pub fn state(&self) -> Option<u64> {
+        let is_previewed = self.drag.as_ref().is_some_and(|drag| drag.back.is_some());
+        (!is_previewed).then_some(self.state)
     }
 
     /// Counts every change, previews and undo too.

@@ -53,11 +53,12 @@ impl Document {
     /// Files besides the scene's own whose changes are to be told, relative to the project.
     pub fn follow(&mut self, assets: impl IntoIterator<Item = String>) {
         let project = &self.project;
-        let mut files: Vec<PathBuf> = assets.into_iter().map(|file| project.join(file)).collect();
-        files.push(self.path());
+        let assets = assets.into_iter().map(|file| project.join(file));
+        let files: Vec<PathBuf> = std::iter::once(self.path()).chain(assets).collect();
         if files != self.clock.followed {
             self.clock.followed.clone_from(&files);
-            self.disk().ask(Work::Follow(files));
+            let scene = self.stamp.clone();
+            self.disk().ask(Work::Follow { files, scene });
         }
     }
 
@@ -100,7 +101,7 @@ impl Document {
         if self.clock.looked.is_some_and(|looked| now.duration_since(looked) < LOOK_EVERY) {
             return;
         }
-        if self.clock.followed.last() != Some(&self.path()) {
+        if self.clock.followed.first() != Some(&self.path()) {
             self.follow([]);
         }
         self.clock.looked = Some(now);

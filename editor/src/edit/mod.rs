@@ -149,9 +149,10 @@ fn set(fields: Vec<(EntityId, Field)>, scene: &mut IndexedScene) -> Applied {
     let mut stale = Stale::Nothing;
     let mut back = Vec::with_capacity(fields.len());
     let mut reparents = false;
+    let probed = stale::has_light_probes(scene);
     for (id, field) in fields {
         let Some(at) = scene.position(id) else { continue };
-        let costs = stale::of_field(&field, at, scene);
+        let costs = stale::of_field(&field, at, scene, probed);
         let Some(old) = field.exchange(&mut scene.scene.entities[at]) else { continue };
         reparents |= matches!(old, Field::Parent(_));
         stale = stale.max(costs);

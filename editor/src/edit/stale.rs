@@ -22,13 +22,20 @@ impl Edit {
     pub fn stale(&self, scene: &IndexedScene) -> Stale {
         match self {
             Self::Set(fields) => {
-                let field =
-                    |(id, field): &(EntityId, Field)| Some(of_field(field, scene.position(*id)?, scene));
+                let probed = has_light_probes(scene);
+                let field = |(id, field): &(EntityId, Field)| {
+                    Some(of_field(field, scene.position(*id)?, scene, probed))
+                };
                 fields.iter().filter_map(field).max().unwrap_or_default()
             }
-            Self::Insert(entities) => entities.iter().map(|(_, new)| presence(new)).max().unwrap_or_default(),
+            Self::Insert(entities) => {
+                let probed = has_light_probes(scene);
+                entities.iter().map(|(_, new)| presence(new, probed)).max().unwrap_or_default()
+            }
             Self::Remove(ids) => {
-                ids.iter().filter_map(|id| scene.entity(*id)).map(presence).max().unwrap_or_default()
+                let probed = has_light_probes(scene);
+                let gone = ids.iter().filter_map(|id| scene.entity(*id));
+                gone.map(|gone| presence(gone, probed)).max().unwrap_or_default()
             }
             Self::SetMaterials(materials) => {
                 let change = |new: &Material| Some(material_change(scene.material(new.id)?, new));
@@ -50,18 +57,22 @@ impl Edit {
     }
 }
 
-/// Before the entity at this place of the scene's list takes the value.
-pub(super) fn of_field(field: &Field, at: usize, scene: &IndexedScene) -> Stale {
+/// Before the entity at this place of the scene's list takes the value. `probed`: [`has_light_probes`].
+pub(super) fn of_field(field: &Field, at: usize, scene: &IndexedScene, probed: bool) -> Stale {
     let entity = &scene.scene().entities[at];
+    let below = || scene.subtree(entity.id).into_iter().filter_map(|id| scene.entity(id));
     match field {
         Field::Name(_) => Stale::Nothing,
-        Field::Parent(_) | Field::Transform(_) | Field::Hidden(_) => {
-            let below = scene.subtree(entity.id).into_iter().filter_map(|id| scene.entity(id));
-            below.map(presence).max().unwrap_or_default()
+        Field::Transform(_) => below().map(|entity| presence(entity, false)).max().unwrap_or_default(),
+        // What stands under something hidden is hidden, too.
+        Field::Parent(_) | Field::Hidden(_) => {
+            below().map(|entity| presence(entity, probed)).max().unwrap_or_default()
         }
         Field::Static(_) => transport_if(entity.mesh.is_some()),
         Field::Mesh(new) => {
-            transport_if(entity.is_static && baked(entity.mesh.as_ref()) != baked(new.as_deref()))
+            let flips = probed && entity.mesh.is_some() != new.is_some();
+            let rebakes = entity.is_static && baked(entity.mesh.as_ref()) != baked(new.as_deref());
+            transport_if(flips || rebakes)
         }
         Field::Materials(_) | Field::Density(_) => transport_if(entity.is_static && entity.mesh.is_some()),
         Field::LightProbes(_) => Stale::Transport,
@@ -74,10 +85,14 @@ pub(super) fn of_field(field: &Field, at: usize, scene: &IndexedScene) -> Stale 
     }
 }
 
-/// What it costs that an entity is there, is not there, or is elsewhere.
-fn presence(entity: &Entity) -> Stale {
-    let is_surface = entity.is_static && entity.mesh.is_some();
-    transport_if(is_surface || entity.light_probes.is_some())
+/// What it costs that an entity is there, is not there, or is elsewhere. `probed`: a mesh that is not static decides
+/// whether light probes are baked at all, for who else would read them?
+fn presence(entity: &Entity, probed: bool) -> Stale {
+    transport_if(entity.light_probes.is_some() || (entity.mesh.is_some() && (entity.is_static || probed)))
+}
+
+pub(super) fn has_light_probes(scene: &IndexedScene) -> bool {
+    scene.scene().entities.iter().any(|entity| entity.light_probes.is_some())
 }
 
 /// What of a mesh the bake takes.

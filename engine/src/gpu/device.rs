@@ -15,12 +15,14 @@ pub struct Gpu {
     /// Drawn by the processor: barriers are slow there, threads few.
     pub software: bool,
     said: Arc<Mutex<Said>>,
+    /// Names of all pipelines, in the order in which they were made.
+    compiled: Mutex<Vec<String>>,
 }
 
 /// What the device said of itself since it was last asked.
 #[derive(Default)]
 struct Said {
-    error: Option<String>,
+    error: Option<GpuError>,
     lost: Option<String>,
 }
 
@@ -74,7 +76,7 @@ impl Gpu {
         let said = listen(&device);
         let page_bytes = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         let software = info.device_type == wgpu::DeviceType::Cpu;
-        Ok(Self { adapter, device, queue, info, page_bytes, software, said })
+        Ok(Self { adapter, device, queue, info, page_bytes, software, said, compiled: Mutex::default() })
     }
 
     /// "llvmpipe (LLVM 15.0.6, 256 bits), Gl".
@@ -91,9 +93,23 @@ impl Gpu {
         let said = std::mem::take(&mut *self.said.lock().unwrap_or_else(PoisonError::into_inner));
         match (said.lost, said.error) {
             (Some(message), _) => Err(GpuError::Lost(message)),
-            (None, Some(message)) => Err(GpuError::Reported(message)),
+            (None, Some(error)) => Err(error),
             (None, None) => Ok(()),
         }
+    }
+
+    /// Keeps what went wrong for the next [`Self::check`].
+    pub fn report(&self, error: GpuError) {
+        self.said.lock().unwrap_or_else(PoisonError::into_inner).error.get_or_insert(error);
+    }
+
+    pub(super) fn compiled(&self, pipeline: String) {
+        self.compiled.lock().unwrap_or_else(PoisonError::into_inner).push(pipeline);
+    }
+
+    /// Names of all pipelines that this device was given, in the order in which they were made.
+    pub fn pipelines(&self) -> Vec<String> {
+        self.compiled.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// Blocks until everything that was submitted is done.
@@ -136,7 +152,7 @@ fn listen(device: &wgpu::Device) -> Arc<Mutex<Said>> {
     let errors = said.clone();
     device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
         let mut said = errors.lock().unwrap_or_else(PoisonError::into_inner);
-        said.error.get_or_insert_with(|| error.to_string());
+        said.error.get_or_insert_with(|| GpuError::Reported(error.to_string()));
     }));
     let losses = said.clone();
     device.set_device_lost_callback(move |reason, message| {

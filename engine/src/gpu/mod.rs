@@ -4,6 +4,7 @@ pub mod buffer;
 pub mod device;
 pub mod error;
 pub mod pass;
+pub mod pipeline;
 pub mod shader;
 pub mod texture;
 pub mod timing;

@@ -109,11 +109,11 @@ pub fn compute(
     gpu: &Gpu,
     module: &wgpu::ShaderModule,
     entry: &str,
-    groups: &Groups<'_>,
+    layout: &wgpu::PipelineLayout,
 ) -> wgpu::ComputePipeline {
     gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: Some(entry),
-        layout: Some(&pipeline_layout(gpu, groups)),
+        layout: Some(layout),
         module,
         entry_point: Some(entry),
         compilation_options: Default::default(),

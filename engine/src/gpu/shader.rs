@@ -1,8 +1,11 @@
 //! Shaders: WGSL files that import each other (naga_oil), embedded into the program.
 
 use std::borrow::Cow;
+use std::sync::{Mutex, PoisonError};
 
-use naga_oil::compose::{ComposableModuleDescriptor, Composer, ComposerError, NagaModuleDescriptor};
+use naga_oil::compose::{
+    ComposableModuleDescriptor, Composer, ComposerError, NagaModuleDescriptor, ShaderDefValue,
+};
 use wgpu::naga;
 
 use super::{Gpu, GpuError};
@@ -16,7 +19,7 @@ pub struct Source {
 
 /// Knows the files that others import, in an order in which each stands behind those it imports.
 pub struct Library {
-    composer: Composer,
+    composer: Mutex<Composer>,
 }
 
 impl Library {
@@ -32,19 +35,35 @@ impl Library {
                 return Err(refused(&composer, source.name, &error));
             }
         }
-        Ok(Self { composer })
+        Ok(Self { composer: Mutex::new(composer) })
     }
 
     /// The file with everything that it imports.
-    pub fn compose(&mut self, source: Source) -> Result<naga::Module, GpuError> {
-        let described =
-            NagaModuleDescriptor { source: source.text, file_path: source.name, ..Default::default() };
-        let composed = self.composer.make_naga_module(described);
-        composed.map_err(|error| refused(&self.composer, source.name, &error))
+    pub fn compose(&self, source: Source) -> Result<naga::Module, GpuError> {
+        self.compose_with(source, &[])
     }
 
-    pub fn module(&mut self, gpu: &Gpu, source: Source) -> Result<wgpu::ShaderModule, GpuError> {
-        let module = self.compose(source)?;
+    /// The same where these names are defined, in it and in what it imports.
+    pub fn compose_with(&self, source: Source, defines: &[&str]) -> Result<naga::Module, GpuError> {
+        let defined = |name: &&str| ((*name).to_owned(), ShaderDefValue::Bool(true));
+        let described = NagaModuleDescriptor {
+            source: source.text,
+            file_path: source.name,
+            shader_defs: defines.iter().map(defined).collect(),
+            ..Default::default()
+        };
+        let mut composer = self.composer.lock().unwrap_or_else(PoisonError::into_inner);
+        let composed = composer.make_naga_module(described);
+        composed.map_err(|error| refused(&composer, source.name, &error))
+    }
+
+    pub fn module(
+        &self,
+        gpu: &Gpu,
+        source: Source,
+        defines: &[&str],
+    ) -> Result<wgpu::ShaderModule, GpuError> {
+        let module = self.compose_with(source, defines)?;
         Ok(gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(source.name),
             source: wgpu::ShaderSource::Naga(Cow::Owned(module)),

@@ -19,8 +19,17 @@ pub struct Timer {
     stamped: Vec<&'static str>,
     recorded: Vec<(&'static str, f64)>,
     open: Option<(&'static str, Instant)>,
+    /// This frame's passes, timed or not.
+    counted: Passes,
     /// Milliseconds of every frame that has arrived.
     frames: BTreeMap<&'static str, Vec<f64>>,
+}
+
+/// How many passes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Passes {
+    pub render: u32,
+    pub compute: u32,
 }
 
 struct Stamps {
@@ -34,7 +43,14 @@ struct Stamps {
 impl Timer {
     pub fn new(gpu: &Gpu) -> Self {
         let stamps = gpu.has(wgpu::Features::TIMESTAMP_QUERY).then(|| Stamps::new(gpu));
-        Self { stamps, stamped: Vec::new(), recorded: Vec::new(), open: None, frames: BTreeMap::new() }
+        Self {
+            stamps,
+            stamped: Vec::new(),
+            recorded: Vec::new(),
+            open: None,
+            counted: Passes::default(),
+            frames: BTreeMap::new(),
+        }
     }
 
     /// Whether times are the GPU's own.
@@ -55,6 +71,7 @@ impl Timer {
     }
 
     pub fn compute(&mut self, name: &'static str) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
+        self.counted.compute += 1;
         let (query_set, first) = self.begin(name)?;
         Some(wgpu::ComputePassTimestampWrites {
             query_set,
@@ -64,6 +81,7 @@ impl Timer {
     }
 
     pub fn render(&mut self, name: &'static str) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
+        self.counted.render += 1;
         let (query_set, first) = self.begin(name)?;
         Some(wgpu::RenderPassTimestampWrites {
             query_set,
@@ -77,6 +95,11 @@ impl Timer {
         if let Some((name, since)) = self.open.take() {
             self.recorded.push((name, since.elapsed().as_secs_f64() * 1e3));
         }
+    }
+
+    /// The passes of this frame so far; the next ones are counted from 0.
+    pub fn count(&mut self) -> Passes {
+        std::mem::take(&mut self.counted)
     }
 
     /// At the end of the frame's commands.

@@ -1,5 +1,6 @@
 //! The runtime: a project's scene, alive, in a window or frame by frame into files.
 
+mod baked;
 pub mod clock;
 mod cubemaps;
 mod fly;

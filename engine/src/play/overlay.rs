@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use super::world::World;
 use crate::render::{Drawn, Eye, Renderer};
-use crate::scene::ToneCurve;
+use crate::scene::{Feature, ToneCurve};
 
 pub const KEYS: [&str; 9] = [
     "W A S D Q E   fly, with Shift faster; the wheel sets the speed",
@@ -45,10 +45,17 @@ pub fn told(
     lines.extend(work(drawn));
     lines.push(exposure(eye, renderer));
     lines.extend(memory(renderer));
-    let left_out = world.left_out.iter().cloned().chain(renderer.left_out());
-    lines.extend(left_out.map(|what| format!("left out: {what}")));
+    lines.extend(world.needs.told());
+    lines.extend(left_out(world, renderer).map(|what| format!("left out: {what}")));
     lines.push(renderer.gpu().name());
     lines
+}
+
+/// Besides what the needs tell.
+pub fn left_out<'a>(world: &'a World, renderer: &Renderer) -> impl Iterator<Item = String> + use<'a> {
+    let told: Vec<&str> = Feature::ALL.iter().map(|feature| feature.name()).collect();
+    let is_told = move |line: &String| line.split_once(':').is_some_and(|(what, _)| told.contains(&what));
+    world.left_out.iter().cloned().chain(renderer.left_out()).filter(move |line| !is_told(line))
 }
 
 fn passes(renderer: &Renderer) -> Vec<String> {

@@ -66,7 +66,13 @@ impl Stage {
             ..Settings::default()
         };
         world.cubemaps.prepare(&gpu, world, settings)?;
-        let mut renderer = Renderer::new(gpu.clone(), world.transport.clone(), &world.assets, settings)?;
+        let mut renderer = Renderer::asked(
+            gpu.clone(),
+            world.transport.clone(),
+            &world.assets,
+            settings,
+            world.features.clone(),
+        )?;
         renderer.give_cubemaps(world.cubemaps.load(&world.scene));
         Ok(Self { window, instance, surface, config, gpu, renderer })
     }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
-use super::overlay::Took;
+use super::overlay::{self, Took};
 use super::{PlayError, World};
 use crate::render::{Drawn, Renderer};
 use crate::scene::file::write_atomically;
@@ -49,7 +49,8 @@ impl<'a> Statistics<'a> {
     /// frames, size, failed: null or what ended the run
     /// frame, cpu: { median_ms, p99_ms } by the clock, null where nothing was measured: from picture to picture,
     ///     and to prepare and send one
-    /// dispatches, products, captures, draws, shadow_draws, bound: one a frame; bound is null until it is known
+    /// dispatches, products, captures, draws, shadow_draws, render_passes, compute_passes, bound: one a frame; bound
+    ///     is null until it is known
     /// ```
     fn of_frames(&self, size: [u32; 2], failed: Option<String>) -> Map<String, Value> {
         let each = |value: fn(&Drawn) -> Value| self.frames.iter().map(value).collect::<Vec<_>>();
@@ -66,6 +67,8 @@ impl<'a> Statistics<'a> {
             "draws": each(|frame| json!(frame.draws)),
             "captures": each(|frame| json!(frame.captures)),
             "shadow_draws": each(|frame| json!(frame.shadow_draws)),
+            "render_passes": each(|frame| json!(frame.passes.render)),
+            "compute_passes": each(|frame| json!(frame.passes.compute)),
             "bound": each(|frame| json!(frame.bound)),
         }))
     }
@@ -76,11 +79,19 @@ impl<'a> Statistics<'a> {
 /// passes   { NAME: { median_ms, p99_ms } }
 /// patches, receivers, probes, sky_patches, rows, entries
 /// bytes    { KIND: bytes on the GPU }
+/// pipelines [ NAME ], in the order in which they were compiled
+/// needs    [ { feature, is_in, forced: null, "in" or "out", why, entities: [ id ],
+///              saving: { file_bytes, gpu_bytes, milliseconds, seconds } } ]
 /// left_out [ what, and why ]
 /// ```
 fn of_renderer(renderer: &Renderer, world: &World) -> Map<String, Value> {
     let transport = renderer.transport();
-    let rows = [&transport.patch_from_patch, &transport.receiver_from_patch, &transport.probe_from_patch];
+    let rows = [
+        &transport.patch_from_patch,
+        &transport.receiver_from_patch,
+        &transport.probe_from_patch,
+        &transport.directional_from_patch,
+    ];
     let passes: Map<String, Value> = renderer
         .timer
         .summary()
@@ -89,7 +100,7 @@ fn of_renderer(renderer: &Renderer, world: &World) -> Map<String, Value> {
         .collect();
     let bytes: Map<String, Value> =
         renderer.bytes().into_iter().map(|(kind, bytes)| (kind.to_owned(), json!(bytes))).collect();
-    let left_out: Vec<String> = world.left_out.iter().cloned().chain(renderer.left_out()).collect();
+    let left_out: Vec<String> = world.needs.left_out().chain(overlay::left_out(world, renderer)).collect();
     object(json!({
         "adapter": renderer.gpu().name(),
         "timing": if renderer.timer.on_gpu() { "gpu" } else { "cpu" },
@@ -101,6 +112,8 @@ fn of_renderer(renderer: &Renderer, world: &World) -> Map<String, Value> {
         "rows": rows.iter().map(|rows| rows.len()).sum::<usize>(),
         "entries": rows.iter().map(|rows| rows.entries()).sum::<usize>(),
         "bytes": bytes,
+        "pipelines": renderer.gpu().pipelines(),
+        "needs": world.needs.verdicts,
         "left_out": left_out,
     }))
 }

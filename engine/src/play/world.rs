@@ -1,21 +1,20 @@
 //! What is played: a scene with its assets and its bake, and where everything is at a time.
 
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 
-use super::PlayError;
 use super::cubemaps::Cubemaps;
-use crate::render::{Eye, Renderer};
+use super::{PlayError, baked};
+use crate::render::{Asked, Eye, Renderer};
 use crate::scene::assets::{Assets, ClipSource};
 use crate::scene::import::load_assets;
 use crate::scene::motion::moved;
 use crate::scene::transform::world_from_local_of;
-use crate::scene::{Changes, Entity, Motion, Scene, Warning, file};
-use crate::transport::key::{BakeWith, inputs};
-use crate::transport::stale::Stale;
+use crate::scene::{Changes, Entity, Feature, Forced, Motion, Scene, Warning, file};
+use crate::transport::needs::{Needs, needs_in_play};
 use crate::transport::{self, Transport};
 
 pub struct World {
@@ -23,12 +22,18 @@ pub struct World {
     pub scene: Scene,
     pub assets: Assets,
     pub transport: Arc<Transport>,
+    /// What is there of all that costs, what is left out, and why.
+    pub needs: Needs,
+    /// What the author says of features.
+    pub features: Asked,
     /// What of the scene has no baked light, and why.
     pub left_out: Vec<String>,
     /// Albedo as authored, however long light bounces.
     pub unlimited_gain: bool,
     /// Of baked reflection probes, on disk.
     pub cubemaps: Cubemaps,
+    /// What the author says of features, whatever their rules find.
+    forced: BTreeMap<Feature, Forced>,
     /// By entity: whether its light is on, as authored and as it was switched by hand.
     lit: Vec<bool>,
     /// Metres across all that is drawn at the start.
@@ -46,20 +51,22 @@ impl World {
         let scene = file::load_scene(project, &name)?;
         let (assets, mut warnings) = load_assets(project, &scene)?;
         warnings.extend(transport::materials::warnings(&scene));
-        let (mut transport, lacks) = bake_of(project, &name, &scene, &assets, force)?;
+        let found = baked::find(project, &name, (&scene, &assets), &settings, force)?;
+        let mut transport = found.transport;
         if let Some(broken) = transport.certificate.broken().filter(|_| !transport.patches.is_empty()) {
             let message = format!("its bake is used though its certificate does not hold: {broken}");
             warnings.push(Warning::new(format!("scene `{name}`"), message));
         }
         let remedy = format!("run `hohlraum-bake {} --scene {name}`", project.display());
-        let told =
-            lacks.iter().map(|lacks| Warning::new(format!("scene `{name}`"), format!("{lacks}; {remedy}")));
+        let told = found.grown.iter().chain(&found.lacks);
+        let told = told.map(|told| Warning::new(format!("scene `{name}`"), format!("{told}; {remedy}")));
         warnings.extend(told);
-        let left_out = lacks.iter().map(|lacks| format!("baked light: {lacks}")).collect();
+        let left_out = found.lacks.iter().map(|lacks| format!("baked light: {lacks}")).collect();
         let (low, high) = extent(&scene, &assets, &transport);
         if transport.surface.vertices.is_empty() {
             transport.origin = origin_near((low + high) * 0.5);
         }
+        let needs = needs_in_play(&scene, &assets, &transport, &settings.features);
         let transport = Arc::new(transport);
         let unlimited_gain = settings.bake.unlimited_gain;
         let (size, default_eye) = ((high - low).length(), Eye::framing(low, high));
@@ -70,6 +77,9 @@ impl World {
             scene,
             assets,
             transport,
+            needs,
+            features: Asked::new(&settings.features),
+            forced: settings.features,
             left_out,
             unlimited_gain,
             cubemaps,
@@ -87,6 +97,7 @@ impl World {
             entity.mesh = entity.mesh.take().filter(|_| entity.is_static);
             entity.light.iter_mut().for_each(|light| light.switching = None);
         }
+        self.needs = needs_in_play(&self.scene, &self.assets, &self.transport, &self.forced);
         self.left_out.push("all that moves: asked for by --still".to_owned());
     }
 
@@ -163,44 +174,6 @@ fn parent_from_local(entity: &Entity, assets: &Assets, seconds: f64) -> DAffine3
         _ => None,
     };
     moved(motion, &entity.transform, clip.map(Arc::as_ref), seconds).parent_from_local()
-}
-
-/// What of the bake on disk fits the scene, and what it lacks, where it does.
-fn bake_of(
-    project: &Path,
-    name: &str,
-    scene: &Scene,
-    assets: &Assets,
-    force: bool,
-) -> Result<(Transport, Option<String>), PlayError> {
-    let path = transport::file::path(project, name);
-    if !path.is_file() {
-        let to_bake = |entity: &Entity| entity.is_static && entity.mesh.is_some() && !scene.is_hidden(entity);
-        let lacks = scene
-            .entities
-            .iter()
-            .any(to_bake)
-            .then(|| "it has no bake, only direct light is shown".to_owned());
-        return Ok((Transport::default(), lacks));
-    }
-    let load = if force { transport::file::load_uncertified } else { transport::file::load };
-    let mut transport = load(&path)?;
-    let certificate = &transport.certificate;
-    if certificate.inputs.is_empty() {
-        let lacks = "its bake is of an older baker, all of it is stale and only direct light is shown";
-        return Ok((Transport::default(), Some(lacks.to_owned())));
-    }
-    let with = BakeWith {
-        quality: file::Quality::default(), // a name for rays and length
-        rays: certificate.rays_per_row,
-        length: certificate.base_length,
-    };
-    let stale = Stale::between(&certificate.inputs, &inputs(scene, assets, &with));
-    if stale.is_empty() {
-        return Ok((transport, None));
-    }
-    transport.leave_out(&stale);
-    Ok((transport, Some(format!("its bake is stale ({stale}), the rest keeps its baked light"))))
 }
 
 /// World coordinates are relative to it where no bake says to what: near enough for single precision, and the

@@ -33,6 +33,8 @@ pub struct Solved {
     pub radiosity: Vec<Vec3>,
     /// By receiver, without what comes straight from punctual lights.
     pub irradiance: Vec<Vec3>,
+    /// Three for each receiver that has directional terms ([`crate::transport::directional`]).
+    pub directional: Vec<Vec3>,
     /// Nine coefficients a probe [W/m2/sr]; none where nothing reads probes.
     pub probes: Vec<Vec3>,
 }
@@ -96,6 +98,7 @@ impl Renderer {
     /// The same, read back. Blocks.
     pub fn solved(&self) -> Result<Solved, GpuError> {
         let (spaces, unit) = (&self.spaces, self.sources.unit());
+        let baked = self.responses.spread.radiosity.clone();
         let read = |buffer: &wgpu::Buffer, count: usize, unit: f32| -> Result<Vec<Vec3>, GpuError> {
             let values: Vec<Vec4> = buffer::read(&self.gpu, buffer)?;
             Ok(values.into_iter().take(count).map(|value| value.truncate() * unit).collect())
@@ -105,12 +108,21 @@ impl Renderer {
             let both = read(emitted, count, 1.0)?.into_iter().zip(read(bounced, count, 1.0)?);
             Ok(both.map(|(emitted, bounced)| emitted + bounced).collect())
         };
-        let patches = spaces.patch_count as usize;
-        let probes = if self.probes_current { 9 * spaces.probe_count as usize } else { 0 };
+        let (patches, receivers) = (spaces.patch_count as usize, spaces.receiver_count as usize);
+        let terms = self.transport.directional_terms();
+        let first = spaces.directional as usize;
+        let arrived = sum(&spaces.receivers, receivers.max(first + terms))?;
+        let probes =
+            if self.probes_current && spaces.has_probes() { 9 * spaces.probe_count as usize } else { 0 };
         Ok(Solved {
             exitance: read(&spaces.exitance, patches, unit)?,
-            radiosity: read(&spaces.radiosity, self.transport.columns(), unit)?,
-            irradiance: sum(&spaces.receivers, spaces.receiver_count as usize)?,
+            radiosity: if self.is_solved_for() {
+                baked
+            } else {
+                read(&spaces.radiosity, self.transport.columns(), unit)?
+            },
+            irradiance: arrived[..receivers].to_vec(),
+            directional: arrived[first..][..terms].to_vec(),
             probes: sum(&spaces.probes, probes)?,
         })
     }
@@ -157,10 +169,13 @@ impl Renderer {
     }
 
     /// Bytes on the GPU by kind.
-    pub fn bytes(&self) -> [(&'static str, u64); 11] {
+    pub fn bytes(&self) -> [(&'static str, u64); 13] {
+        let [receiver_rows, probe_rows] = self.gather.bytes();
         [
-            ("rows", self.bounce.bytes() + self.gather.bytes()),
-            ("light", self.spaces.bytes + self.objects.bytes()),
+            ("rows", self.bounce.bytes() + receiver_rows),
+            ("rows of probes", probe_rows),
+            ("light", self.spaces.bytes),
+            ("light of probes", self.spaces.probe_bytes() + self.objects.bytes()),
             ("coarse correction", self.coarse.bytes),
             ("surface", self.still.bytes),
             ("shadow rays", self.direct.bytes()),
@@ -180,6 +195,9 @@ impl Renderer {
         if self.transport.sky_patches == 0 {
             left_out.push("sky patches: no sky".to_owned());
         }
+        if self.transport.directional_receivers() == 0 {
+            left_out.push("directional terms: no normal map on a baked surface".to_owned());
+        }
         if !self.instances.any_moving() {
             left_out.push("light probes: nothing moves".to_owned());
         }
@@ -189,7 +207,14 @@ impl Renderer {
         if !self.reflections.any() {
             left_out.push("reflection cubemaps: nothing smooth, or no probe and no sky".to_owned());
         }
-        if self.coarse.bytes == 0 {
+        if self.is_solved_for() {
+            left_out.push("matrix: light was solved at the bake".to_owned());
+        }
+        if self.reflections.unread > 0 {
+            left_out
+                .push(format!("{} reflection probes: nothing in view reads them", self.reflections.unread));
+        }
+        if self.coarse.bytes == 0 && !self.is_solved_for() {
             left_out.push(format!("coarse correction: {}", self.sources.choice().why));
         }
         left_out

@@ -4,20 +4,21 @@
 //! |error| <= w * max|residual| with the cavity gain w = max (I - rho P)^-1 1, or what stands in for it,
 //! 1 / (1 - max rho * max row sum). Both follow from I - rho P being an M-matrix.
 
+use std::sync::Arc;
+
 use super::coarse::Coarse;
 use super::rows::{PagedRows, Summed};
 use super::shaders;
 use super::spaces::Spaces;
 use super::steering::Measured;
+use crate::gpu::Gpu;
 use crate::gpu::buffer::{self, Readback};
 use crate::gpu::pass::{self, Binding};
-use crate::gpu::shader::Library;
+use crate::gpu::pipeline::{Compiler, Compute};
 use crate::gpu::timing::Timer;
-use crate::gpu::{Gpu, GpuError};
 
 pub struct Bounce {
-    product: wgpu::ComputePipeline,
-    measure: wgpu::ComputePipeline,
+    pipelines: Compute,
     group: wgpu::BindGroup,
     summed: Summed,
     rows: PagedRows,
@@ -31,13 +32,12 @@ pub struct Bounce {
 impl Bounce {
     pub fn new(
         gpu: &Gpu,
-        library: &mut Library,
+        compiler: &Arc<Compiler>,
         page_layout: &wgpu::BindGroupLayout,
         rows: PagedRows,
         summed: Summed,
         spaces: &Spaces,
-    ) -> Result<Self, GpuError> {
-        let module = library.module(gpu, shaders::BOUNCE)?;
+    ) -> Self {
         let layout = pass::layout(
             gpu,
             "bounce",
@@ -51,14 +51,9 @@ impl Bounce {
             &layout,
             &[&spaces.radiosity, &spaces.exitance, &spaces.albedo, &spaces.next, &tally],
         );
-        let entry = match summed {
-            Summed::ByThread => "bounce",
-            Summed::ByGroup => "bounce_by_group",
-        };
         let groups = [None, None, Some(&layout), Some(page_layout)];
-        Ok(Self {
-            product: pass::compute(gpu, &module, entry, &groups),
-            measure: pass::compute(gpu, &module, "measure", &groups),
+        Self {
+            pipelines: Compute::new(compiler, shaders::BOUNCE, &groups),
             group,
             summed,
             rows,
@@ -66,7 +61,7 @@ impl Bounce {
             tally,
             readback: Readback::new(gpu, 64),
             sending: None,
-        })
+        }
     }
 
     pub fn bytes(&self) -> u64 {
@@ -97,11 +92,16 @@ impl Bounce {
             timestamp_writes: timer.compute("bounce"),
         });
         for product in 1..=products {
-            pass.set_pipeline(&self.product);
+            let entry = match self.summed {
+                Summed::ByThread => "bounce",
+                Summed::ByGroup => "bounce_by_group",
+            };
+            if !self.pipelines.set(&mut pass, entry, self.rows.defines()) {
+                return 0;
+            }
             pass.set_bind_group(2, &self.group, &[]);
             dispatches += self.rows.dispatch(&mut pass, self.summed);
-            if product == products {
-                pass.set_pipeline(&self.measure);
+            if product == products && self.pipelines.set(&mut pass, "measure", self.rows.defines()) {
                 dispatches += self.rows.dispatch(&mut pass, Summed::ByThread);
             }
             dispatches += coarse.correct(&mut pass);

@@ -31,12 +31,14 @@ impl Renderer {
         still: bool,
     ) -> Captured {
         self.read_reflections(gpu, now);
+        let variants = self.variants();
         let scenery = Scenery {
             scene: self.shadows.scene_group(),
             instances: &self.instances,
             still: &self.still,
             meshes: &self.meshes,
             materials: &self.materials,
+            variants,
         };
         let mut set = Set {
             gpu,
@@ -52,7 +54,7 @@ impl Renderer {
                 capture: 1,
                 ..frame
             },
-            brightest: self.steering.brightest(),
+            brightest: self.steering.brightest().max(self.responses.brightest()),
         };
         let captured = self.reflections.capture(encoder, &mut set, self.seen, still);
         if captured.first {
@@ -66,7 +68,8 @@ impl Renderer {
 
     fn read_reflections(&mut self, gpu: &Gpu, now: &Now<'_>) {
         let still = (&*self.transport, &self.occluders);
-        self.reflections.update(gpu, now, &self.instances, still);
+        let drawn = (&self.instances, &self.materials);
+        self.reflections.update(gpu, now, drawn, still);
         self.surfaces.bind(gpu, &self.spaces, &self.objects, &self.reflections);
     }
 }

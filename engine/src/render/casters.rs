@@ -7,17 +7,18 @@
 //! in rooms whose walls are single faces that look inside. What is lit from both sides has no back and stays where
 //! it is.
 
-use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
+use std::sync::Arc;
 
 use super::instances::{Draw, Instances, Pass};
 use super::materials::Materials;
 use super::meshes::{Meshes, StillBuffers};
 use super::shadow_view::Seen;
 use super::{shaders, surface};
+use crate::gpu::Gpu;
 use crate::gpu::pass;
-use crate::gpu::shader::Library;
-use crate::gpu::{Gpu, GpuError};
+use crate::gpu::pipeline::{self, Compiler, Pipelines};
+use crate::scene::Forced;
 
 /// Texels over which a front's slope counts: half the filter's width, and half a texel for where a texel's middle is.
 const PUSH: f32 = 4.5;
@@ -78,6 +79,18 @@ struct Variant {
     pushed: bool,
 }
 
+impl pipeline::Variant for Variant {
+    fn name(&self) -> String {
+        let said = [(self.moving, "moving"), (self.holes, "holes"), (self.pushed, "pushed")];
+        let said = said.into_iter().filter(|(is, _)| *is).map(|(_, word)| word);
+        ["shadow"].into_iter().chain(said).collect::<Vec<_>>().join(", ")
+    }
+
+    fn defines(&self) -> Vec<&'static str> {
+        if self.holes { vec!["HOLES"] } else { Vec::new() }
+    }
+}
+
 /// The sides of a caster that are drawn at once.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Side {
@@ -88,9 +101,10 @@ enum Side {
 
 impl Variant {
     /// `None`: the draw has no such side.
-    fn of(draw: &Draw, side: Side) -> Option<Self> {
+    fn of(draw: &Draw, side: Side, holes: Option<Forced>) -> Option<Self> {
         use wgpu::Face::{Back, Front};
-        let (moving, holes) = (draw.mesh.is_some(), draw.pass != Pass::Opaque);
+        let moving = draw.mesh.is_some();
+        let holes = holes.map_or(draw.pass != Pass::Opaque, |forced| forced == Forced::In);
         let cull = match (side, draw.mirrored) {
             (Side::Both, _) => None,
             (Side::Front, false) | (Side::Back, true) => Some(Back),
@@ -101,33 +115,33 @@ impl Variant {
     }
 }
 
-/// Pipelines into shadow maps, made when first needed.
+/// Pipelines into shadow maps.
 pub struct CasterPass {
-    module: wgpu::ShaderModule,
     plain: wgpu::PipelineLayout,
     with_holes: wgpu::PipelineLayout,
-    pipelines: HashMap<Variant, wgpu::RenderPipeline>,
+    pipelines: Pipelines<Variant, wgpu::RenderPipeline>,
+    /// What the author says of holes.
+    holes: Option<Forced>,
 }
 
 impl CasterPass {
     pub fn new(
         gpu: &Gpu,
-        library: &mut Library,
-        view_layout: &wgpu::BindGroupLayout,
-        material_layout: &wgpu::BindGroupLayout,
-    ) -> Result<Self, GpuError> {
-        Ok(Self {
-            module: library.module(gpu, shaders::SHADOW)?,
+        compiler: &Arc<Compiler>,
+        [view_layout, material_layout]: [&wgpu::BindGroupLayout; 2],
+        holes: Option<Forced>,
+    ) -> Self {
+        Self {
             plain: pass::pipeline_layout(gpu, &[Some(view_layout)]),
             with_holes: pass::pipeline_layout(gpu, &[Some(view_layout), None, None, Some(material_layout)]),
-            pipelines: HashMap::new(),
-        })
+            pipelines: Pipelines::new(compiler, shaders::SHADOW),
+            holes,
+        }
     }
 
     /// Draws what a map sees of what its light reaches; group 0 is set. Returns the draws.
     pub fn draw(
-        &mut self,
-        gpu: &Gpu,
+        &self,
         pass: &mut wgpu::RenderPass<'_>,
         seen: &Seen,
         reached: &[usize],
@@ -137,8 +151,9 @@ impl CasterPass {
         for side in [Side::Both, Side::Front, Side::Back] {
             let all = reached.iter().map(|&index| &casters.instances.draws[index]);
             for draw in all.filter(|draw| seen.sees(draw)) {
-                let Some(variant) = Variant::of(draw, side) else { continue };
-                pass.set_pipeline(self.pipeline(gpu, variant));
+                let Some(variant) = Variant::of(draw, side, self.holes) else { continue };
+                let Some(pipeline) = self.pipeline(variant) else { continue };
+                pass.set_pipeline(&pipeline);
                 if variant.holes {
                     pass.set_bind_group(3, casters.materials.group(draw.material), &[]);
                 }
@@ -150,9 +165,9 @@ impl CasterPass {
         draws
     }
 
-    fn pipeline(&mut self, gpu: &Gpu, variant: Variant) -> &wgpu::RenderPipeline {
-        let (module, layout) = (&self.module, if variant.holes { &self.with_holes } else { &self.plain });
-        self.pipelines.entry(variant).or_insert_with(|| pipeline(gpu, module, layout, variant))
+    fn pipeline(&self, variant: Variant) -> Option<wgpu::RenderPipeline> {
+        let layout = if variant.holes { &self.with_holes } else { &self.plain };
+        self.pipelines.get(variant, |gpu, module| pipeline(gpu, module, layout, variant))
     }
 }
 

@@ -1,6 +1,8 @@
 //! The end of a product: the coarse correction over room-sized aggregates, the clamp B >= E, and B without
 //! what is emitted.
 
+use std::sync::Arc;
+
 use bytemuck::{Pod, Zeroable};
 use glam::Vec4;
 use wgpu::BufferUsages as Usage;
@@ -8,7 +10,7 @@ use wgpu::BufferUsages as Usage;
 use super::shaders;
 use super::spaces::Spaces;
 use crate::gpu::pass::{self, Binding, GROUP};
-use crate::gpu::shader::Library;
+use crate::gpu::pipeline::{Compiler, Compute};
 use crate::gpu::{Gpu, GpuError, buffer};
 use crate::transport::solve;
 
@@ -26,9 +28,8 @@ pub struct CoarseUniform {
 const MOST: usize = GROUP as usize;
 
 pub struct Coarse {
-    restrict: wgpu::ComputePipeline,
-    solve: wgpu::ComputePipeline,
-    correct: wgpu::ComputePipeline,
+    /// What solves, and what corrects.
+    pipelines: [Compute; 2],
     layouts: [wgpu::BindGroupLayout; 4],
     before: wgpu::BindGroup,
     light: wgpu::BindGroup,
@@ -39,9 +40,8 @@ pub struct Coarse {
 
 impl Coarse {
     /// Without aggregates, until [`Self::set`].
-    pub fn new(gpu: &Gpu, library: &mut Library, spaces: &Spaces) -> Result<Self, GpuError> {
+    pub fn new(gpu: &Gpu, compiler: &Arc<Compiler>, spaces: &Spaces) -> Self {
         use Binding::{Read, Uniform, Write};
-        let module = library.module(gpu, shaders::COARSE)?;
         let layout =
             |bindings: &[Binding]| pass::layout(gpu, "coarse", wgpu::ShaderStages::COMPUTE, bindings);
         let layouts = [
@@ -50,19 +50,18 @@ impl Coarse {
             layout(&[Read, Read, Read, Read, Read, Write, Write]),
             layout(&[Uniform, Read]),
         ];
-        let pipeline = |entry, light: usize, own: usize| {
-            pass::compute(gpu, &module, entry, &[None, None, Some(&layouts[light]), Some(&layouts[own])])
-        };
+        let pipelines = [0, 2].map(|light| {
+            let groups = [None, None, Some(&layouts[light]), Some(&layouts[light + 1])];
+            Compute::new(compiler, shaders::COARSE, &groups)
+        });
         let uniform = CoarseUniform {
             patches: spaces.patch_count,
             aggregates: 0,
             chunks: spaces.patch_count.div_ceil(GROUP),
             padding: 0,
         };
-        Ok(Self {
-            restrict: pipeline("restrict_change", 0, 1),
-            solve: pipeline("solve", 0, 1),
-            correct: pipeline("correct", 2, 3),
+        Self {
+            pipelines,
             before: pass::buffers(gpu, "coarse", &layouts[0], &[&spaces.radiosity, &spaces.next]),
             light: pass::buffers(
                 gpu,
@@ -82,7 +81,7 @@ impl Coarse {
             layouts,
             uniform,
             bytes: 0,
-        })
+        }
     }
 
     /// No aggregates: no correction, and a product ends with one dispatch instead of three. Done again when albedo
@@ -107,13 +106,17 @@ impl Coarse {
         if self.uniform.aggregates > 0 {
             pass.set_bind_group(2, &self.before, &[]);
             pass.set_bind_group(3, &self.own[0], &[]);
-            pass.set_pipeline(&self.restrict);
-            pass::dispatch(pass, self.uniform.aggregates * self.uniform.chunks);
-            pass.set_pipeline(&self.solve);
-            pass.dispatch_workgroups(1, 1, 1);
+            if self.pipelines[0].set(pass, "restrict_change", &[]) {
+                pass::dispatch(pass, self.uniform.aggregates * self.uniform.chunks);
+            }
+            if self.pipelines[0].set(pass, "solve", &[]) {
+                pass.dispatch_workgroups(1, 1, 1);
+            }
             dispatches += 2;
         }
-        pass.set_pipeline(&self.correct);
+        if !self.pipelines[1].set(pass, "correct", &[]) {
+            return 0;
+        }
         pass.set_bind_group(2, &self.light, &[]);
         pass.set_bind_group(3, &self.own[1], &[]);
         pass::dispatch(pass, self.uniform.patches);

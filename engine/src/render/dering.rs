@@ -1,30 +1,37 @@
 //! Light probes after the gather: no irradiance below 0 ([`crate::transport::dering`]).
 
+use std::sync::Arc;
+
 use super::gather::Source;
 use super::shaders;
 use super::spaces::Spaces;
+use crate::gpu::Gpu;
 use crate::gpu::pass::{self, Binding};
-use crate::gpu::shader::Library;
+use crate::gpu::pipeline::{Compiler, Compute};
 use crate::gpu::timing::Timer;
-use crate::gpu::{Gpu, GpuError};
 
 pub struct Dering {
-    pipeline: wgpu::ComputePipeline,
+    pipeline: Compute,
     /// By source.
     probes: [wgpu::BindGroup; 2],
     count: u32,
+    layout: wgpu::BindGroupLayout,
 }
 
 impl Dering {
-    pub fn new(gpu: &Gpu, library: &mut Library, spaces: &Spaces) -> Result<Self, GpuError> {
-        let module = library.module(gpu, shaders::DERING)?;
+    pub fn new(gpu: &Gpu, compiler: &Arc<Compiler>, spaces: &Spaces) -> Self {
         let layout = pass::layout(gpu, "dering", wgpu::ShaderStages::COMPUTE, &[Binding::Write]);
-        let group = |probes: &wgpu::Buffer| pass::buffers(gpu, "dering", &layout, &[probes]);
-        Ok(Self {
-            pipeline: pass::compute(gpu, &module, "dering", &[None, None, Some(&layout)]),
-            probes: spaces.probes.each_ref().map(group),
+        Self {
+            pipeline: Compute::new(compiler, shaders::DERING, &[None, None, Some(&layout)]),
+            probes: groups(gpu, &layout, spaces),
             count: spaces.probe_count,
-        })
+            layout,
+        }
+    }
+
+    /// The light of probes lies elsewhere.
+    pub fn bind(&mut self, gpu: &Gpu, spaces: &Spaces) {
+        self.probes = groups(gpu, &self.layout, spaces);
     }
 
     /// Returns the dispatches.
@@ -36,9 +43,15 @@ impl Dering {
             label: Some("dering"),
             timestamp_writes: timer.compute("dering"),
         });
-        pass.set_pipeline(&self.pipeline);
+        if !self.pipeline.set(&mut pass, "dering", &[]) {
+            return 0;
+        }
         pass.set_bind_group(2, &self.probes[source as usize], &[]);
         pass::dispatch(&mut pass, self.count);
         1
     }
+}
+
+fn groups(gpu: &Gpu, layout: &wgpu::BindGroupLayout, spaces: &Spaces) -> [wgpu::BindGroup; 2] {
+    spaces.probes.each_ref().map(|probes| pass::buffers(gpu, "dering", layout, &[probes]))
 }

@@ -1,41 +1,37 @@
 //! Direct light at patches: E = M + rho * H, by the shadow maps that the surfaces use too or by shadow rays.
 
+use std::sync::Arc;
+
 use super::casters::Casters;
-use super::instances::{Draw, Pass};
 use super::lights::{self, GpuLight};
 use super::rays::Rays;
 use super::shaders;
 use super::spaces::Spaces;
 use crate::gpu::pass::{self, Binding};
-use crate::gpu::shader::Library;
+use crate::gpu::pipeline::{Compiler, Compute};
 use crate::gpu::timing::Timer;
 use crate::gpu::{Gpu, GpuError};
 use crate::transport::direct::PlacedLight;
 use crate::transport::{Occluders, Transport};
 
 /// What tells patches whether a light reaches them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PatchShadows {
     /// Honour holes of pictures; their filter blurs what is finer than a texel.
     Maps,
-    /// Exact; whatever casts is solid.
+    /// Exact; a ray that meets something with holes asks the map. They need no bias, and cost no more even where a
+    /// processor draws: 2400 patches of 4 samples take 8, 27 and 90 ms with 1, 4 and 16 lights on llvmpipe, by maps 7,
+    /// 34 and 99 ms.
+    #[default]
     Rays,
 }
 
-impl PatchShadows {
-    /// Rays, unless a caster has holes. Rays are exact, need no bias and no map; that they cost no more even where a
-    /// processor draws was measured: 2400 patches of 4 samples take 8, 27 and 90 ms with 1, 4 and 16 lights on
-    /// llvmpipe, by maps 7, 34 and 99 ms.
-    pub fn best(holes: bool) -> Self {
-        if holes { Self::Maps } else { Self::Rays }
-    }
-}
-
 pub struct Direct {
-    /// By maps, by rays.
-    pipelines: [wgpu::ComputePipeline; 2],
+    pipelines: Compute,
     group: wgpu::BindGroup,
-    rays: Rays,
+    /// Once a light shines.
+    rays: Option<Rays>,
+    rays_layout: wgpu::BindGroupLayout,
     patch_count: u32,
     /// As set by the settings.
     chosen: Option<PatchShadows>,
@@ -46,33 +42,31 @@ pub struct Direct {
 impl Direct {
     pub fn new(
         gpu: &Gpu,
-        library: &mut Library,
+        compiler: &Arc<Compiler>,
         [frame_layout, scene_layout]: [&wgpu::BindGroupLayout; 2],
         spaces: &Spaces,
-        transport: &Transport,
-        occluders: &Occluders,
         chosen: Option<PatchShadows>,
-    ) -> Result<Self, GpuError> {
+    ) -> Self {
         use Binding::{Read, Write};
-        let module = library.module(gpu, shaders::DIRECT)?;
         let layout =
             pass::layout(gpu, "direct", wgpu::ShaderStages::COMPUTE, &[Read, Read, Read, Read, Write]);
-        let rays = Rays::new(gpu, transport, occluders)?;
-        let groups = [Some(frame_layout), Some(scene_layout), Some(&layout), Some(rays.layout())];
-        Ok(Self {
-            pipelines: ["direct", "direct_by_rays"].map(|entry| pass::compute(gpu, &module, entry, &groups)),
+        let rays_layout = Rays::layout(gpu);
+        let groups = [Some(frame_layout), Some(scene_layout), Some(&layout), Some(&rays_layout)];
+        Self {
+            pipelines: Compute::new(compiler, shaders::DIRECT, &groups),
             group: pass::buffers(
                 gpu,
                 "direct",
                 &layout,
                 &[&spaces.patches, &spaces.samples, &spaces.albedo, &spaces.emitted, &spaces.exitance],
             ),
-            rays,
+            rays: None,
+            rays_layout,
             patch_count: spaces.patch_count,
             chosen,
             used: PatchShadows::Maps,
             lights: Vec::new(),
-        })
+        }
     }
 
     /// Follows lights and casters. `maps_changed`: a light, or what its shadow map shows, differs from the last frame.
@@ -80,21 +74,30 @@ impl Direct {
     pub fn follow(
         &mut self,
         gpu: &Gpu,
+        (transport, occluders): (&Transport, &Occluders),
         placed: &[PlacedLight],
         casters: &Casters<'_>,
-        maps: &[GpuLight],
-        maps_changed: bool,
-    ) -> bool {
+        (maps, maps_changed): (&[GpuLight], bool),
+    ) -> Result<bool, GpuError> {
+        if self.patch_count == 0 {
+            return Ok(false);
+        }
         let shining = placed.iter().filter(|light| lights::shines(light));
         let casting = shining.clone().any(|light| light.light.casts_shadows);
         let now: Vec<GpuLight> = shining.map(lights::on_gpu).collect();
-        let holes = casters.instances.draws.iter().any(|draw| draw.casts && has_holes(draw, casters));
-        let used = self.chosen.unwrap_or_else(|| PatchShadows::best(holes));
+        let used = self.chosen.unwrap_or_default();
         let asked = used == PatchShadows::Rays || maps.iter().any(|light| light.layer == lights::UNMAPPED);
-        let moved = asked && casting && self.rays.follow(gpu, casters);
+        if placed.is_empty() {
+            self.rays = None;
+        } else if self.rays.is_none() && !now.is_empty() {
+            self.rays = Some(Rays::new(gpu, &self.rays_layout, transport, occluders)?);
+        }
+        let follows = |rays: &mut Rays| asked && casting && rays.follow(gpu, &self.rays_layout, casters);
+        let moved = self.rays.as_mut().is_some_and(follows);
         let switched = used != self.used || now != self.lights;
         (self.used, self.lights) = (used, now);
-        switched || moved || (maps_changed && used == PatchShadows::Maps)
+        let by_maps = used == PatchShadows::Maps || self.rays.as_ref().is_some_and(Rays::asks_maps);
+        Ok(switched || moved || (maps_changed && by_maps))
     }
 
     pub fn used(&self) -> PatchShadows {
@@ -102,7 +105,7 @@ impl Direct {
     }
 
     pub fn bytes(&self) -> u64 {
-        self.rays.bytes()
+        self.rays.as_ref().map_or(0, Rays::bytes)
     }
 
     /// Returns the dispatches.
@@ -110,27 +113,30 @@ impl Direct {
         &self,
         encoder: &mut wgpu::CommandEncoder,
         timer: &mut Timer,
-        frame: &wgpu::BindGroup,
-        scene: &wgpu::BindGroup,
+        [frame, scene]: [&wgpu::BindGroup; 2],
+        spaces: &Spaces,
     ) -> u32 {
         if self.patch_count == 0 {
             return 0;
         }
+        let Some(rays) = self.rays.as_ref().filter(|_| !self.lights.is_empty()) else {
+            // No light shines: E = M.
+            encoder.copy_buffer_to_buffer(&spaces.emitted, 0, &spaces.exitance, 0, spaces.exitance.size());
+            return 0;
+        };
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some("direct"),
             timestamp_writes: timer.compute("direct"),
         });
-        pass.set_pipeline(&self.pipelines[usize::from(self.used == PatchShadows::Rays)]);
+        let entry = if self.used == PatchShadows::Rays { "direct_by_rays" } else { "direct" };
+        if !self.pipelines.set(&mut pass, entry, &[]) {
+            return 0;
+        }
         pass.set_bind_group(0, frame, &[]);
         pass.set_bind_group(1, scene, &[]);
         pass.set_bind_group(2, &self.group, &[]);
-        pass.set_bind_group(3, self.rays.group(), &[]);
+        pass.set_bind_group(3, rays.group(), &[]);
         pass::dispatch(&mut pass, self.patch_count);
         1
     }
-}
-
-/// Whether a picture says where the light gets through.
-fn has_holes(draw: &Draw, casters: &Casters<'_>) -> bool {
-    draw.pass != Pass::Opaque && casters.materials.material(draw.material).albedo.texture.is_some()
 }

@@ -8,6 +8,7 @@
 //! off again.
 
 use std::mem::offset_of;
+use std::sync::Arc;
 use std::time::Instant;
 
 use bytemuck::{Pod, Zeroable};
@@ -17,9 +18,9 @@ use super::shaders;
 use super::targets::Targets;
 use crate::gpu::buffer::Readback;
 use crate::gpu::pass::{self, Binding};
-use crate::gpu::shader::Library;
+use crate::gpu::pipeline::{Compiler, Compute};
 use crate::gpu::timing::Timer;
-use crate::gpu::{Gpu, GpuError, buffer};
+use crate::gpu::{Gpu, buffer};
 use crate::scene::AutoExposure;
 
 /// `Meter` in `exposure.wgsl`.
@@ -70,8 +71,7 @@ pub fn pre_exposure(stops: f32) -> f32 {
 pub struct Exposure {
     layout: [wgpu::BindGroupLayout; 2],
     /// For one sample a pixel, and for more.
-    count: [wgpu::ComputePipeline; 2],
-    adapt: [wgpu::ComputePipeline; 2],
+    pipelines: [Compute; 2],
     meter: wgpu::Buffer,
     bins: wgpu::Buffer,
     state: wgpu::Buffer,
@@ -85,23 +85,18 @@ pub struct Exposure {
 }
 
 impl Exposure {
-    pub fn new(
-        gpu: &Gpu,
-        library: &mut Library,
-        frame_layout: &wgpu::BindGroupLayout,
-    ) -> Result<Self, GpuError> {
-        let module = library.module(gpu, shaders::EXPOSURE)?;
+    pub fn new(gpu: &Gpu, compiler: &Arc<Compiler>, frame_layout: &wgpu::BindGroupLayout) -> Self {
         let layout = [Binding::Texels, Binding::MultisampledTexels].map(|texels| {
             let bindings = [Binding::Uniform, Binding::Write, Binding::Write, texels];
             pass::layout(gpu, "exposure", wgpu::ShaderStages::COMPUTE, &bindings)
         });
-        let pipeline = |entry: &str, many: usize| {
-            pass::compute(gpu, &module, entry, &[Some(frame_layout), None, None, Some(&layout[many])])
-        };
+        let pipelines = layout.each_ref().map(|layout| {
+            let groups = [Some(frame_layout), None, None, Some(layout)];
+            Compute::new(compiler, shaders::EXPOSURE, &groups)
+        });
         let bytes = size_of::<ExposureState>() as u64;
-        Ok(Self {
-            count: [pipeline("count", 0), pipeline("count_samples", 1)],
-            adapt: [pipeline("adapt", 0), pipeline("adapt", 1)],
+        Self {
+            pipelines,
             meter: buffer::filled(gpu, "meter", &[MeterUniform::zeroed()], wgpu::BufferUsages::UNIFORM),
             bins: buffer::empty(gpu, "exposure bins", BINS * 4, wgpu::BufferUsages::STORAGE),
             state: buffer::empty(gpu, "exposure", bytes, wgpu::BufferUsages::STORAGE),
@@ -111,7 +106,7 @@ impl Exposure {
             sending: None,
             stops: None,
             layout,
-        })
+        }
     }
 
     /// Targets are others.
@@ -194,10 +189,12 @@ impl Exposure {
         });
         pass.set_bind_group(0, frame.1, &[]);
         pass.set_bind_group(3, group, &[]);
-        pass.set_pipeline(&self.count[many]);
-        pass::dispatch(&mut pass, looked_at(targets.size).div_ceil(A_THREAD));
-        pass.set_pipeline(&self.adapt[many]);
-        pass.dispatch_workgroups(1, 1, 1);
+        if self.pipelines[many].set(&mut pass, ["count", "count_samples"][many], &[]) {
+            pass::dispatch(&mut pass, looked_at(targets.size).div_ceil(A_THREAD));
+        }
+        if self.pipelines[many].set(&mut pass, "adapt", &[]) {
+            pass.dispatch_workgroups(1, 1, 1);
+        }
         drop(pass);
         self.set_exposure(encoder, frame.0);
     }

@@ -6,11 +6,13 @@
 //! ```
 //! What did not change is not done again: shadow maps, E, the bounce once it is solved, the gathers.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DAffine3, Mat4, Vec3, Vec4};
 
+use super::asked::Asked;
 use super::bounce::Bounce;
 use super::casters::Casters;
 use super::coarse::Coarse;
@@ -28,26 +30,27 @@ use super::overlay::Overlay;
 use super::patches::Patches;
 use super::picking::Picking;
 use super::pictures::Pictures;
-use super::probes::{self, Probes};
+use super::probes::Probes;
 use super::reflections::{Reflections, Seen};
+use super::responses::Responses;
 use super::rows::{self, PagedRows, Summed};
-use super::shadow::{Camera, Recording, Shadows};
+use super::shadow::{Asked as ShadowsAsked, Camera, Recording, Shadows};
 use super::sky::SkyPass;
 use super::sources::{Changed, Sources};
 use super::spaces::Spaces;
 use super::steering::Steering;
-use super::surface::{Look, Scenery, Surfaces, Which};
+use super::surface::Surfaces;
 use super::targets::{self, Targets};
 use super::tonemap::{self, Tonemap};
 use super::unit::Rescale;
 use super::view::{Eye, View};
 use super::{RenderError, lights, shaders};
 use crate::gpu::pass::{self, Binding};
-use crate::gpu::timing::Timer;
+use crate::gpu::timing::{Passes, Timer};
 use crate::gpu::{Gpu, buffer};
-use crate::scene::Scene;
 use crate::scene::assets::Assets;
-use crate::transport::{Occluders, Transport};
+use crate::scene::{Feature, Forced, Scene, Sky};
+use crate::transport::{Depths, Occluders, Rows, Transport};
 
 /// The scene as it is now, and where it is looked at from.
 #[derive(Clone, Copy)]
@@ -90,6 +93,8 @@ pub struct Drawn {
     pub shadow_draws: u32,
     /// Faces of cubemaps.
     pub captures: u32,
+    /// All of them: of shadow maps, captures, the picture, light.
+    pub passes: Passes,
     /// The error of B is at most this share of the largest B: measured last, which is before this frame's last
     /// product. `None`: nothing was measured yet.
     pub bound: Option<f32>,
@@ -116,7 +121,8 @@ pub struct FrameUniform {
     pub curve: u32,
     pub capture: u32,
     pub light_unit: f32,
-    pub padding: [u32; 2],
+    pub directional: u32,
+    pub padding: u32,
 }
 
 /// Read back by those who ask how a picture was exposed.
@@ -168,35 +174,61 @@ pub struct Renderer {
     /// What captures show, and changes of the sky.
     pub(super) seen: (Seen, u64),
     pub(super) moved: u64,
+    pub(super) asked: Asked,
+    pub(super) responses: Responses,
 }
 
 impl Renderer {
-    /// Uploads the bake and builds every pipeline.
+    /// As the scene asks, frame by frame.
     pub fn new(
         gpu: Arc<Gpu>,
         transport: Arc<Transport>,
         assets: &Assets,
         settings: Settings,
     ) -> Result<Self, RenderError> {
+        Self::asked(gpu, transport, assets, settings, Asked::default())
+    }
+
+    /// Uploads what is needed of the bake. Pipelines are made when they are first used.
+    ///
+    /// What the author says of features holds; all else is there while the scene asks for it.
+    pub fn asked(
+        gpu: Arc<Gpu>,
+        transport: Arc<Transport>,
+        assets: &Assets,
+        settings: Settings,
+        asked: Asked,
+    ) -> Result<Self, RenderError> {
         transport.validate().map_err(RenderError::Transport)?;
+        let forced = |feature| asked.said(feature);
+        let transport = match forced(Feature::LightProbes) {
+            Some(Forced::Out) => without_probes(transport),
+            _ => transport,
+        };
         let gpu_ref = gpu.as_ref();
-        let library = &mut shaders::library()?;
+        let compiler = &shaders::compiler(&gpu)?;
         let stages = wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE;
         let frame_layout = &pass::layout(gpu_ref, "frame", stages, &[Binding::Uniform]);
         let frame = buffer::filled(gpu_ref, "frame", &[FrameUniform::zeroed()], FRAME);
         let page = &rows::page_layout(gpu_ref);
         let summed = settings.summed.unwrap_or_else(|| Summed::best(gpu_ref));
-        let paged = |what, rows| PagedRows::new(gpu_ref, page, what, rows);
+        let row_layout = layout_of_rows(&asked);
+        let paged = |what, rows| PagedRows::new(gpu_ref, page, what, (rows, transport.columns()), row_layout);
         let patch_rows = paged("patch", &transport.patch_from_patch)?;
         let read_rows = [
             paged("receiver", &transport.receiver_from_patch)?,
-            paged("probe", &transport.probe_from_patch)?,
+            paged("directional", &transport.directional_from_patch)?,
         ];
         let spaces = Spaces::new(gpu_ref, &transport)?;
         let occluders = Occluders::new(&transport);
-        let mut pictures = Pictures::new(gpu_ref, library)?;
+        let mut pictures = Pictures::new(gpu_ref, compiler);
         let materials = Materials::new(gpu_ref, assets, &mut pictures);
-        let shadows = Shadows::new(gpu_ref, library, materials.layout(), !settings.no_light_grid)?;
+        let of_shadows = ShadowsAsked {
+            maps: forced(Feature::ShadowMaps),
+            holes: forced(Feature::Holes),
+            in_grid: !settings.no_light_grid,
+        };
+        let shadows = Shadows::new(gpu_ref, compiler, materials.layout(), of_shadows);
         let scene_layout = shadows.scene_layout();
         let renderer = Self {
             samples: settings.samples.unwrap_or_else(|| targets::most_samples(gpu_ref)),
@@ -204,34 +236,32 @@ impl Renderer {
             meshes: Meshes::default(),
             still: StillBuffers::new(gpu_ref, &transport)?,
             instances: Instances::new(gpu_ref, &transport),
-            sources: Sources::new(transport.clone(), &settings),
+            sources: Sources::new(transport.clone(), &settings, forced(Feature::CoarseCorrection)),
             direct: Direct::new(
                 gpu_ref,
-                library,
+                compiler,
                 [frame_layout, scene_layout],
                 &spaces,
-                &transport,
-                &occluders,
                 settings.patch_shadows,
-            )?,
-            bounce: Bounce::new(gpu_ref, library, page, patch_rows, summed, &spaces)?,
-            coarse: Coarse::new(gpu_ref, library, &spaces)?,
-            gather: Gather::new(gpu_ref, library, [frame_layout, page], read_rows, summed, &spaces)?,
-            rescale: Rescale::new(gpu_ref, library, &spaces)?,
-            dering: Dering::new(gpu_ref, library, &spaces)?,
-            objects: Objects::new(gpu_ref, library, &transport, &spaces)?,
-            reflections: Reflections::new(gpu_ref, library, frame_layout)?,
-            surfaces: Surfaces::new(gpu_ref, library, frame_layout, scene_layout, materials.layout())?,
-            patches: Patches::new(gpu_ref, library, frame_layout)?,
-            probes: Probes::new(gpu_ref, library, frame_layout, &spaces)?,
-            tetrahedra: Lines::new(gpu_ref, library, frame_layout)?,
-            guides: Lines::new(gpu_ref, library, frame_layout)?,
-            picking: Picking::new(gpu_ref, library, frame_layout)?,
-            outline: Outline::new(gpu_ref, library, frame_layout)?,
-            sky: SkyPass::new(gpu_ref, library, frame_layout, &pictures)?,
-            exposure: Exposure::new(gpu_ref, library, frame_layout)?,
-            tonemap: Tonemap::new(gpu_ref, library, frame_layout)?,
-            overlay: Overlay::new(gpu_ref, library)?,
+            ),
+            bounce: Bounce::new(gpu_ref, compiler, page, patch_rows, summed, &spaces),
+            coarse: Coarse::new(gpu_ref, compiler, &spaces),
+            gather: Gather::new(gpu_ref, compiler, [frame_layout, page], read_rows, summed, &spaces),
+            rescale: Rescale::new(gpu_ref, compiler, &spaces),
+            dering: Dering::new(gpu_ref, compiler, &spaces),
+            objects: Objects::new(gpu_ref, compiler, transport.clone(), &spaces),
+            reflections: Reflections::new(gpu_ref, compiler, frame_layout, &asked),
+            surfaces: Surfaces::new(gpu_ref, compiler, frame_layout, scene_layout, materials.layout()),
+            patches: Patches::new(gpu_ref, compiler, frame_layout),
+            probes: Probes::new(gpu_ref, compiler, frame_layout),
+            tetrahedra: Lines::new(gpu_ref, compiler, frame_layout),
+            guides: Lines::new(gpu_ref, compiler, frame_layout),
+            picking: Picking::new(gpu_ref, compiler, frame_layout),
+            outline: Outline::new(gpu_ref, compiler, frame_layout),
+            sky: SkyPass::new(gpu_ref, compiler, frame_layout, &pictures, asked.has(Feature::Sky, false)),
+            exposure: Exposure::new(gpu_ref, compiler, frame_layout),
+            tonemap: Tonemap::new(gpu_ref, compiler, frame_layout),
+            overlay: Overlay::new(gpu_ref, compiler),
             frame_group: pass::buffers(gpu_ref, "frame", frame_layout, &[&frame]),
             frame,
             occluders,
@@ -244,6 +274,8 @@ impl Renderer {
             probes_current: false,
             seen: (Seen::default(), 0),
             moved: 0,
+            asked,
+            responses: Responses::default(),
             transport,
             settings,
             gpu,
@@ -261,12 +293,20 @@ impl Renderer {
         // What stands where, what it is made of, what shines.
         let materials_changed = self.materials.update(gpu, now.assets, &mut self.pictures, now.scene);
         self.instances.update(gpu, now, &self.transport, &self.materials, &mut self.meshes);
+        let probes_read = self.follow_probes(now.view)?;
         self.objects.update(gpu, &self.instances, &self.spaces);
         let lights = lights::placed(now, &self.instances, self.transport.origin);
-        let sky_changed = self.sky.update(gpu, now.assets, &mut self.pictures, &now.scene.sky.kind, &lights);
+        let sky = self.sky_of(now);
+        let sky_changed = self.sky.update(gpu, now.assets, &mut self.pictures, &sky.kind, &lights);
         let brightest = lights::brightest(&lights).max(self.steering.brightest());
-        let emitted =
-            self.sources.update(gpu, now, materials_changed, brightest, &self.spaces, &mut self.coarse)?;
+        let emitted = self.sources.update(
+            gpu,
+            (now, &sky),
+            materials_changed,
+            brightest,
+            &self.spaces,
+            &mut self.coarse,
+        )?;
 
         // What the lights see.
         let casters = Casters {
@@ -283,17 +323,25 @@ impl Renderer {
             pass::drawn_before_computed(gpu, &mut encoder);
         }
         let mapped = self.shadows.lights();
-        let lit = self.direct.follow(gpu, &lights, &casters, mapped, shadowed.changed);
+        let still = (&*self.transport, &self.occluders);
+        let lit = self.direct.follow(gpu, still, &lights, &casters, (mapped, shadowed.changed))?;
         let uniform = self.write_frame(gpu, now, display);
 
         // Light on patches, then from patch to patch, then to receivers and probes.
-        let dark = !self.sources.shines() && !lights.iter().any(lights::shines);
-        let mut drawn = self.light(&mut encoder, lit, emitted, dark, now.view);
+        let transport = self.transport.clone();
+        let (mut drawn, relit) = match &transport.solved {
+            Some(solved) => self.responded(&mut encoder, solved, now.scene, probes_read),
+            None => {
+                let dark = !self.sources.shines() && !lights.iter().any(lights::shines);
+                (self.light(&mut encoder, lit, emitted, dark, probes_read), false)
+            }
+        };
 
         // What reflection probes see.
         let stirred = shadowed.changed
             || materials_changed
             || lit
+            || relit
             || drawn.products > 0
             || emitted != Changed::default();
         self.follow(stirred, sky_changed);
@@ -303,6 +351,7 @@ impl Renderer {
         // The picture.
         drawn.shadow_draws = shadowed.draws;
         drawn.draws = shadowed.draws + captured.draws + self.paint(gpu, &mut encoder, now, display);
+        drawn.passes = self.timer.count();
         self.timer.resolve(&mut encoder);
         gpu.queue.submit([encoder.finish()]);
         self.timer.sent();
@@ -314,98 +363,10 @@ impl Renderer {
         Ok(drawn)
     }
 
-    /// Surfaces, sky and blended surfaces; exposure, tone curve, overlay. Returns the draws.
-    fn paint(
-        &mut self,
-        gpu: &Gpu,
-        encoder: &mut wgpu::CommandEncoder,
-        now: &Now<'_>,
-        display: &wgpu::Texture,
-    ) -> u32 {
-        let size = [display.width(), display.height()];
-        if self.target.as_ref().is_none_or(|(targets, _)| targets.size != size) {
-            let targets = Targets::new(gpu, size, self.samples);
-            let group = self.tonemap.group(gpu, &targets);
-            self.exposure.bind(gpu, &targets);
-            self.target = Some((targets, group));
-        }
-        let mut draws = self.expose(gpu, encoder, now, size);
-        let Some(target) = &self.target else { return draws };
-        self.tonemap.draw(gpu, encoder, &mut self.timer, &self.frame_group, target, display);
-        draws += self.draw_outline(gpu, encoder, now.scene, display);
-        draws += 1 + self.overlay.draw(gpu, encoder, Some(&mut self.timer), display);
-        draws
-    }
-
-    /// Draws radiance and settles how it is exposed. The first picture of an automatic exposure is drawn twice:
-    /// nothing is known before of how bright it is. Returns the draws.
-    fn expose(
-        &mut self,
-        gpu: &Gpu,
-        encoder: &mut wgpu::CommandEncoder,
-        now: &Now<'_>,
-        size: [u32; 2],
-    ) -> u32 {
-        let Some(auto) = now.eye.auto_exposure.filter(|_| now.view.shows_light()) else {
-            self.exposure.forget();
-            return self.radiance(gpu, encoder, now);
-        };
-        let first = self.exposure.begin(gpu, &auto, size, now.time, self.settings.wait);
-        let mut draws = 0;
-        for _ in 0..1 + u32::from(first) {
-            self.exposure.set_pre_exposure(encoder, &self.frame);
-            draws += self.radiance(gpu, encoder, now);
-            pass::drawn_before_computed(gpu, encoder);
-            let Some((targets, _)) = &self.target else { break };
-            self.exposure.run(encoder, &mut self.timer, (&self.frame, &self.frame_group), targets);
-        }
-        self.exposure.report(encoder);
-        draws
-    }
-
-    /// Surfaces, sky, blended surfaces. Returns the draws.
-    fn radiance(&mut self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, now: &Now<'_>) -> u32 {
-        let Some(target) = &self.target else { return 0 };
-        let size = target.0.size;
-        let scenery = Scenery {
-            scene: self.shadows.scene_group(),
-            instances: &self.instances,
-            still: &self.still,
-            meshes: &self.meshes,
-            materials: &self.materials,
-        };
-        let origin = self.transport.origin;
-        let look = Look {
-            frame: &self.frame_group,
-            clip_from_world: now.eye.clip_from_world(origin, size[0] as f32 / size[1].max(1) as f32),
-            eye: (now.eye.position - origin).as_vec3(),
-            samples: self.samples,
-            mirrored: false,
-        };
-        let mut pass = target.0.begin(encoder, self.timer.render("surface"));
-        let mut draws = 0;
-        if now.view.shows_patches() {
-            let shown = |batch: usize| scenery.instances.draws[batch].shown;
-            draws +=
-                self.patches.draw(gpu, &mut pass, &self.frame_group, &self.transport, shown, self.samples);
-        } else {
-            let all = Which { blended: false, still: true, moving: true };
-            draws += self.surfaces.draw(gpu, &mut pass, &scenery, &look, all);
-            if now.view.shows_sky() {
-                draws += self.sky.draw(gpu, &mut pass, &self.frame_group, self.samples);
-            }
-            draws += self.surfaces.draw(gpu, &mut pass, &scenery, &look, Which { blended: true, ..all });
-        }
-        let probes = (&*self.transport, self.objects.field());
-        if now.view == View::Probes {
-            draws += self.probes.draw(gpu, &mut pass, &self.frame_group, probes, self.samples);
-        }
-        if now.view == View::Tetrahedra {
-            self.tetrahedra.set(gpu, &probes::tetrahedra(probes.0, probes.1));
-            draws += self.tetrahedra.draw(gpu, &mut pass, &self.frame_group, self.samples);
-        }
-        draws += self.guides.draw(gpu, &mut pass, &self.frame_group, self.samples);
-        draws
+    /// The scene's, unless its author does without.
+    fn sky_of<'a>(&self, now: &Now<'a>) -> Cow<'a, Sky> {
+        let there = self.asked.has(Feature::Sky, true);
+        if there { Cow::Borrowed(&now.scene.sky) } else { Cow::Owned(Sky::default()) }
     }
 
     fn write_frame(&self, gpu: &Gpu, now: &Now<'_>, display: &wgpu::Texture) -> FrameUniform {
@@ -431,7 +392,8 @@ impl Renderer {
             curve: tonemap::curve_of(now.view, now.eye.tonemap),
             capture: 0,
             light_unit: self.sources.unit(),
-            padding: [0; 2],
+            directional: self.spaces.directional,
+            padding: 0,
         };
         gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
         uniform
@@ -455,5 +417,23 @@ impl Renderer {
         self.reflections.receive();
         self.timer.receive();
         self.exposure.receive();
+    }
+}
+
+/// What moves reads the mean of all receivers then.
+fn without_probes(transport: Arc<Transport>) -> Arc<Transport> {
+    Arc::new(Transport {
+        probes: Vec::new(),
+        depths: Depths::default(),
+        probe_from_patch: Rows::default(),
+        ..(*transport).clone()
+    })
+}
+
+pub(super) fn layout_of_rows(asked: &Asked) -> rows::Layout {
+    match asked.said(Feature::Columns) {
+        Some(Forced::In) => rows::Layout::Sparse,
+        Some(Forced::Out) => rows::Layout::Dense,
+        None => rows::Layout::AsSuits,
     }
 }

@@ -1,4 +1,7 @@
-//! The gather: what arrives at receivers and light probes, from what is emitted and from what bounced.
+//! The gather: what arrives at receivers and light probes, from what is emitted and from what bounced; and what tilts it
+//! towards the normals of normal maps, where there are any ([`crate::transport::directional`]).
+
+use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 
@@ -6,7 +9,7 @@ use super::rows::{PagedRows, Summed};
 use super::shaders;
 use super::spaces::Spaces;
 use crate::gpu::pass::{self, Binding};
-use crate::gpu::shader::Library;
+use crate::gpu::pipeline::{Compiler, Compute};
 use crate::gpu::timing::Timer;
 use crate::gpu::{Gpu, GpuError, buffer};
 
@@ -29,40 +32,42 @@ pub enum Source {
 }
 
 pub struct Gather {
-    pipeline: wgpu::ComputePipeline,
-    mean: wgpu::ComputePipeline,
+    pipelines: Compute,
+    mean: Compute,
     summed: Summed,
     receiver_rows: PagedRows,
-    probe_rows: PagedRows,
+    directional_rows: PagedRows,
+    layout: wgpu::BindGroupLayout,
+    page_layout: wgpu::BindGroupLayout,
     /// By source.
     receivers: [wgpu::BindGroup; 2],
-    probes: [wgpu::BindGroup; 2],
-    means: [wgpu::BindGroup; 2],
+    /// `None` where there are no directional rows.
+    directional: Option<[wgpu::BindGroup; 2]>,
     mean_own: wgpu::BindGroup,
-    any_receivers: bool,
+    /// While somebody reads them.
+    probes: Option<OfProbes>,
+}
+
+/// What probes gather by.
+struct OfProbes {
+    rows: PagedRows,
+    /// By source.
+    groups: [wgpu::BindGroup; 2],
+    means: [wgpu::BindGroup; 2],
 }
 
 impl Gather {
     pub fn new(
         gpu: &Gpu,
-        library: &mut Library,
+        compiler: &Arc<Compiler>,
         [frame_layout, page_layout]: [&wgpu::BindGroupLayout; 2],
-        [receiver_rows, probe_rows]: [PagedRows; 2],
+        [receiver_rows, directional_rows]: [PagedRows; 2],
         summed: Summed,
         spaces: &Spaces,
-    ) -> Result<Self, GpuError> {
+    ) -> Self {
         let compute = wgpu::ShaderStages::COMPUTE;
-        let module = library.module(gpu, shaders::GATHER)?;
-        let mean_module = library.module(gpu, shaders::MEAN)?;
         let layout = pass::layout(gpu, "gather", compute, &[Binding::Read, Binding::Write]);
         let mean_layout = pass::layout(gpu, "mean", compute, &[Binding::Uniform]);
-        let groups = |from: [&wgpu::Buffer; 2], to: &[wgpu::Buffer; 2]| {
-            [0, 1].map(|i| pass::buffers(gpu, "gather", &layout, &[from[i], &to[i]]))
-        };
-        let entry = match summed {
-            Summed::ByThread => "gather",
-            Summed::ByGroup => "gather_by_group",
-        };
         let uniform = MeanUniform {
             receivers: spaces.receiver_count,
             share: 1.0 / spaces.valid_receivers.max(1) as f32,
@@ -71,39 +76,79 @@ impl Gather {
         };
         let uniform = buffer::filled(gpu, "mean", &[uniform], wgpu::BufferUsages::UNIFORM);
         let sources = [&spaces.emitted, &spaces.bounced];
-        Ok(Self {
-            pipeline: pass::compute(
-                gpu,
-                &module,
-                entry,
-                &[Some(frame_layout), None, Some(&layout), Some(page_layout)],
-            ),
-            mean: pass::compute(gpu, &mean_module, "mean", &[None, None, Some(&layout), Some(&mean_layout)]),
+        let groups_of_rows = [Some(frame_layout), None, Some(&layout), Some(page_layout)];
+        let groups_of_mean = [None, None, Some(&layout), Some(&mean_layout)];
+        Self {
+            pipelines: Compute::new(compiler, shaders::GATHER, &groups_of_rows),
+            mean: Compute::new(compiler, shaders::MEAN, &groups_of_mean),
             summed,
-            receivers: groups(sources, &spaces.receivers),
-            probes: groups(sources, &spaces.probes),
-            means: groups(spaces.receivers.each_ref(), &spaces.probes),
+            receivers: groups(gpu, &layout, sources, &spaces.receivers),
+            directional: (!directional_rows.is_empty())
+                .then(|| groups_from(gpu, &layout, sources, (&spaces.receivers, spaces.directional))),
             mean_own: pass::buffers(gpu, "mean", &mean_layout, &[&uniform]),
-            any_receivers: !receiver_rows.is_empty(),
             receiver_rows,
-            probe_rows,
-        })
+            directional_rows,
+            probes: None,
+            page_layout: page_layout.clone(),
+            layout,
+        }
     }
 
-    pub fn bytes(&self) -> u64 {
-        self.receiver_rows.bytes + self.probe_rows.bytes
+    /// Uploads the rows of probes, or gives them back.
+    pub fn hold_probes(
+        &mut self,
+        gpu: &Gpu,
+        rows: impl FnOnce(&wgpu::BindGroupLayout) -> Result<PagedRows, GpuError>,
+        spaces: &Spaces,
+        held: bool,
+    ) -> Result<(), GpuError> {
+        self.probes = None;
+        if held {
+            let to = |from| groups(gpu, &self.layout, from, &spaces.probes);
+            self.probes = Some(OfProbes {
+                rows: rows(&self.page_layout)?,
+                groups: to([&spaces.emitted, &spaces.bounced]),
+                means: to(spaces.receivers.each_ref()),
+            });
+        }
+        Ok(())
     }
 
-    /// `moving`: whether anything reads probes. Returns the dispatches.
+    /// Where no row is gathered: what is where no probe is. Returns the dispatches.
+    pub fn mean_of_receivers(&self, encoder: &mut wgpu::CommandEncoder, timer: &mut Timer) -> u32 {
+        let Some(probes) = &self.probes else { return 0 };
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some("gather"),
+            timestamp_writes: timer.compute("gather"),
+        });
+        if !self.mean.set(&mut pass, "mean", &[]) {
+            return 0;
+        }
+        pass.set_bind_group(3, &self.mean_own, &[]);
+        for means in &probes.means {
+            pass.set_bind_group(2, means, &[]);
+            pass.dispatch_workgroups(1, 1, 1);
+        }
+        2
+    }
+
+    /// Of the rows of receivers, and of probes.
+    pub fn bytes(&self) -> [u64; 2] {
+        let directional = if self.directional.is_some() { self.directional_rows.bytes } else { 0 };
+        let receivers = self.receiver_rows.bytes + directional;
+        [receivers, self.probes.as_ref().map_or(0, |probes| probes.rows.bytes)]
+    }
+
+    /// Returns the dispatches.
     pub fn run(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         timer: &mut Timer,
         frame: &wgpu::BindGroup,
         source: Source,
-        moving: bool,
     ) -> u32 {
-        if !self.any_receivers && self.probe_rows.is_empty() {
+        let probe_rows = self.probes.as_ref().map(|probes| &probes.rows);
+        if self.receiver_rows.is_empty() && probe_rows.is_none_or(PagedRows::is_empty) {
             return 0;
         }
         let which = source as usize;
@@ -111,19 +156,58 @@ impl Gather {
             label: Some("gather"),
             timestamp_writes: timer.compute("gather"),
         });
-        pass.set_pipeline(&self.pipeline);
+        let entry = match self.summed {
+            Summed::ByThread => "gather",
+            Summed::ByGroup => "gather_by_group",
+        };
         pass.set_bind_group(0, frame, &[]);
-        pass.set_bind_group(2, &self.receivers[which], &[]);
-        let mut dispatches = self.receiver_rows.dispatch(&mut pass, self.summed);
-        if !moving {
+        let mut dispatches = 0;
+        if self.pipelines.set(&mut pass, entry, self.receiver_rows.defines()) {
+            pass.set_bind_group(2, &self.receivers[which], &[]);
+            dispatches += self.receiver_rows.dispatch(&mut pass, self.summed);
+        }
+        if let Some(directional) = &self.directional
+            && self.pipelines.set(&mut pass, entry, self.directional_rows.defines())
+        {
+            pass.set_bind_group(2, &directional[which], &[]);
+            dispatches += self.directional_rows.dispatch(&mut pass, self.summed);
+        }
+        let Some(probes) = &self.probes else { return dispatches };
+        if self.pipelines.set(&mut pass, entry, probes.rows.defines()) {
+            pass.set_bind_group(2, &probes.groups[which], &[]);
+            dispatches += probes.rows.dispatch(&mut pass, self.summed);
+        }
+        if !self.mean.set(&mut pass, "mean", &[]) {
             return dispatches;
         }
-        pass.set_bind_group(2, &self.probes[which], &[]);
-        dispatches += self.probe_rows.dispatch(&mut pass, self.summed);
-        pass.set_pipeline(&self.mean);
-        pass.set_bind_group(2, &self.means[which], &[]);
+        pass.set_bind_group(2, &probes.means[which], &[]);
         pass.set_bind_group(3, &self.mean_own, &[]);
         pass.dispatch_workgroups(1, 1, 1);
         dispatches + 1
     }
+}
+
+/// By source.
+fn groups(
+    gpu: &Gpu,
+    layout: &wgpu::BindGroupLayout,
+    from: [&wgpu::Buffer; 2],
+    to: &[wgpu::Buffer; 2],
+) -> [wgpu::BindGroup; 2] {
+    groups_from(gpu, layout, from, (to, 0))
+}
+
+/// Written from an element on.
+fn groups_from(
+    gpu: &Gpu,
+    layout: &wgpu::BindGroupLayout,
+    from: [&wgpu::Buffer; 2],
+    (to, first): (&[wgpu::Buffer; 2], u32),
+) -> [wgpu::BindGroup; 2] {
+    [0, 1].map(|source| {
+        let buffer = &to[source];
+        let written = wgpu::BufferBinding { buffer, offset: u64::from(first) * 16, size: None };
+        let resources = [from[source].as_entire_binding(), wgpu::BindingResource::Buffer(written)];
+        pass::group(gpu, "gather", layout, &resources)
+    })
 }

@@ -39,6 +39,8 @@ pub struct Draw {
     pub material: usize,
     pub pass: Pass,
     pub double_sided: bool,
+    /// A normal map tilts what arrives: each pixel asks for the light of its own normal.
+    pub bumped: bool,
     pub mirrored: bool,
     /// Seen by the camera, and by lights.
     pub shown: bool,
@@ -70,6 +72,8 @@ pub struct Instances {
     pub displaced: HashSet<EntityId>,
     /// Sphere about each batch of the baked surface.
     batches: Vec<(Vec3, f32)>,
+    /// Likewise: has it directional terms?
+    directional: Vec<bool>,
 }
 
 impl Instances {
@@ -93,6 +97,7 @@ impl Instances {
             baked: surface.batches.iter().map(Batch::entity).collect(),
             displaced: HashSet::new(),
             batches,
+            directional: surface.batches.iter().map(|batch| transport.is_directional(batch)).collect(),
         }
     }
 
@@ -133,13 +138,21 @@ impl Instances {
         hasher.finish()
     }
 
+    /// A number for something that moves: where it stands, and of which material it is.
+    pub fn stamp(&self, draw: &Draw, hasher: &mut DefaultHasher) {
+        (draw.mesh, draw.shown, draw.material, &draw.indices).hash(hasher);
+        let instance = draw.mesh.and_then(|_| self.items.get(draw.instance as usize));
+        bytemuck::cast_slice::<_, u8>(&instance.map_or([[0.0; 4]; 3], |instance| instance.rows)).hash(hasher);
+    }
+
     /// Whether anything is drawn that the bake does not light.
     pub fn any_moving(&self) -> bool {
         !self.items.is_empty()
     }
 
     fn place_batches(&mut self, now: &Now<'_>, transport: &Transport, materials: &Materials) {
-        for (batch, &(centre, radius)) in transport.surface.batches.iter().zip(&self.batches) {
+        let batches = transport.surface.batches.iter().zip(&self.batches).zip(&self.directional);
+        for ((batch, &(centre, radius)), &directional) in batches {
             let entity = self.index_of.get(&batch.entity()).copied();
             let stays = !self.displaced.contains(&batch.entity());
             let placed = entity
@@ -155,6 +168,7 @@ impl Instances {
                 material,
                 pass: pass_of(materials, material),
                 double_sided: batch.double_sided == 1,
+                bumped: directional && materials.material(material).normal_texture.is_some(),
                 mirrored: false,
                 shown,
                 casts: renderer.is_some_and(|renderer| renderer.casts_shadows),
@@ -203,6 +217,7 @@ impl Instances {
                 material,
                 pass: pass_of(materials, material),
                 double_sided: materials.material(material).double_sided,
+                bumped: materials.material(material).normal_texture.is_some(),
                 mirrored,
                 shown: true,
                 casts: renderer.casts_shadows,

@@ -1,13 +1,15 @@
 //! Coloured lines, one pixel wide, over what was drawn before; behind surfaces they are faint.
 
+use std::sync::Arc;
+
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec3, Vec4};
 use wgpu::vertex_attr_array;
 
 use super::{shaders, surface, targets};
 use crate::gpu::buffer::Held;
-use crate::gpu::shader::Library;
-use crate::gpu::{Gpu, GpuError, pass};
+use crate::gpu::pipeline::{Compiler, Pipelines, Variant};
+use crate::gpu::{Gpu, pass};
 
 /// From point to point, relative to the transport's origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,60 +28,61 @@ struct End {
 
 const END: [wgpu::VertexAttribute; 2] = vertex_attr_array![0 => Float32x3, 1 => Float32x4];
 
+/// Lines behind surfaces or in front of them, on so many samples a pixel.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+struct Side {
+    behind: bool,
+    samples: u32,
+}
+
+impl Variant for Side {
+    fn name(&self) -> String {
+        format!("lines, {}", if self.behind { "behind" } else { "in front" })
+    }
+}
+
 pub struct Lines {
-    module: wgpu::ShaderModule,
     layout: wgpu::PipelineLayout,
-    ends: Held<End>,
-    /// Made when first needed: samples, then behind and in front.
-    pipelines: Option<(u32, [wgpu::RenderPipeline; 2])>,
+    /// Made when there is something to draw.
+    ends: Option<Held<End>>,
+    pipelines: Pipelines<Side, wgpu::RenderPipeline>,
 }
 
 impl Lines {
-    pub fn new(
-        gpu: &Gpu,
-        library: &mut Library,
-        frame_layout: &wgpu::BindGroupLayout,
-    ) -> Result<Self, GpuError> {
-        Ok(Self {
-            module: library.module(gpu, shaders::LINES)?,
+    pub fn new(gpu: &Gpu, compiler: &Arc<Compiler>, frame_layout: &wgpu::BindGroupLayout) -> Self {
+        Self {
             layout: pass::pipeline_layout(gpu, &[Some(frame_layout)]),
-            ends: Held::new(gpu, "lines", wgpu::BufferUsages::VERTEX),
-            pipelines: None,
-        })
+            ends: None,
+            pipelines: Pipelines::new(compiler, shaders::LINES),
+        }
     }
 
     /// What is drawn from now on.
     pub fn set(&mut self, gpu: &Gpu, lines: &[Line]) {
         let end = |line: &Line| line.ends.map(|position| End { position, color: line.color.to_array() });
         let ends: Vec<End> = lines.iter().flat_map(end).collect();
-        self.ends.write(gpu, &ends);
+        if self.ends.is_some() || !ends.is_empty() {
+            let held = || Held::new(gpu, "lines", wgpu::BufferUsages::VERTEX);
+            self.ends.get_or_insert_with(held).write(gpu, &ends);
+        }
     }
 
     /// Returns the draws.
-    pub fn draw(
-        &mut self,
-        gpu: &Gpu,
-        pass: &mut wgpu::RenderPass<'_>,
-        frame: &wgpu::BindGroup,
-        samples: u32,
-    ) -> u32 {
-        let count = self.ends.items().len() as u32;
-        if count == 0 {
-            return 0;
-        }
-        if self.pipelines.as_ref().is_none_or(|(made_for, _)| *made_for != samples) {
-            use wgpu::CompareFunction::{GreaterEqual, Less};
-            let make = |entry, compare| pipeline(gpu, &self.module, &self.layout, entry, compare, samples);
-            self.pipelines = Some((samples, [make("behind", Less), make("in_front", GreaterEqual)]));
-        }
-        let Some((_, pipelines)) = &self.pipelines else { return 0 };
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, frame: &wgpu::BindGroup, samples: u32) -> u32 {
+        let Some(ends) = self.ends.as_ref().filter(|ends| !ends.items().is_empty()) else { return 0 };
+        let count = ends.items().len() as u32;
         pass.set_bind_group(0, frame, &[]);
-        pass.set_vertex_buffer(0, self.ends.buffer().slice(..));
-        for pipeline in pipelines {
-            pass.set_pipeline(pipeline);
+        pass.set_vertex_buffer(0, ends.buffer().slice(..));
+        let mut draws = 0;
+        for behind in [true, false] {
+            let side = Side { behind, samples };
+            let made = self.pipelines.get(side, |gpu, module| pipeline(gpu, module, &self.layout, side));
+            let Some(pipeline) = made else { continue };
+            pass.set_pipeline(&pipeline);
             pass.draw(0..count, 0..1);
+            draws += 1;
         }
-        2
+        draws
     }
 }
 
@@ -88,10 +91,10 @@ fn pipeline(
     gpu: &Gpu,
     module: &wgpu::ShaderModule,
     layout: &wgpu::PipelineLayout,
-    entry: &str,
-    compare: wgpu::CompareFunction,
-    samples: u32,
+    Side { behind, samples }: Side,
 ) -> wgpu::RenderPipeline {
+    use wgpu::CompareFunction::{GreaterEqual, Less};
+    let (entry, compare) = if behind { ("behind", Less) } else { ("in_front", GreaterEqual) };
     let ends = wgpu::VertexBufferLayout {
         array_stride: size_of::<End>() as u64,
         step_mode: wgpu::VertexStepMode::Vertex,

@@ -6,6 +6,7 @@
 //! Bind groups of all shaders: 0 view and time, 1 scene, 2 transport, 3 the pass's own.
 
 mod account;
+pub mod asked;
 pub mod bounce;
 mod captures;
 pub mod cascades;
@@ -25,6 +26,7 @@ pub mod meshes;
 pub mod objects;
 pub mod outline;
 pub mod overlay;
+mod paint;
 pub mod patches;
 pub mod picking;
 pub mod pictures;
@@ -32,6 +34,7 @@ pub mod probes;
 mod radiosity;
 pub mod rays;
 pub mod reflections;
+mod responses;
 pub mod rows;
 pub mod shaders;
 pub mod shadow;
@@ -50,6 +53,7 @@ pub mod view;
 use crate::gpu::GpuError;
 pub use crate::transport::steering;
 pub use account::Solved;
+pub use asked::Asked;
 pub use direct::PatchShadows;
 pub use frame::{Drawn, Now, Renderer, Settings};
 pub use view::{Eye, View};

@@ -2,28 +2,31 @@
 //! sphere ([`crate::transport::probe_field`]), for light seen directly and for light that bounced.
 
 use std::collections::HashMap;
+use std::sync::{Arc, OnceLock};
 
 use super::instances::Instances;
 use super::shaders;
 use super::spaces::Spaces;
+use crate::gpu::Gpu;
 use crate::gpu::buffer::{self, Held};
 use crate::gpu::pass::{self, Binding};
-use crate::gpu::shader::Library;
+use crate::gpu::pipeline::{Compiler, Compute};
 use crate::gpu::timing::Timer;
-use crate::gpu::{Gpu, GpuError};
 use crate::scene::EntityId;
 use crate::transport::Transport;
 use crate::transport::probe_field::{Cell, ProbeField, Weights};
 
 pub struct Objects {
-    field: ProbeField,
+    transport: Arc<Transport>,
+    /// Once something moves.
+    field: OnceLock<ProbeField>,
     /// Where each was in the last frame.
     cells: HashMap<EntityId, Cell>,
     /// One an instance.
     weights: Held<Weights>,
     /// Nine an instance.
     light: [wgpu::Buffer; 2],
-    pipeline: wgpu::ComputePipeline,
+    pipeline: Compute,
     layout: wgpu::BindGroupLayout,
     group: wgpu::BindGroup,
     /// Holds the mean of all receivers.
@@ -32,33 +35,34 @@ pub struct Objects {
 }
 
 impl Objects {
-    pub fn new(
-        gpu: &Gpu,
-        library: &mut Library,
-        transport: &Transport,
-        spaces: &Spaces,
-    ) -> Result<Self, GpuError> {
-        let module = library.module(gpu, shaders::OBJECTS)?;
+    pub fn new(gpu: &Gpu, compiler: &Arc<Compiler>, transport: Arc<Transport>, spaces: &Spaces) -> Self {
         let compute = wgpu::ShaderStages::COMPUTE;
         let [read, write] = [Binding::Read, Binding::Write];
         let layout = pass::layout(gpu, "objects", compute, &[read, read, read, write, write]);
         let weights = Held::new(gpu, "objects", wgpu::BufferUsages::STORAGE);
         let light = light_for(gpu, &weights);
-        Ok(Self {
-            field: ProbeField::new(transport),
+        Self {
+            transport,
+            field: OnceLock::new(),
             cells: HashMap::new(),
-            pipeline: pass::compute(gpu, &module, "objects_light", &[None, None, Some(&layout)]),
+            pipeline: Compute::new(compiler, shaders::OBJECTS, &[None, None, Some(&layout)]),
             group: group(gpu, &layout, spaces, &weights, &light),
             weights,
             light,
             layout,
             mean_probe: spaces.probe_count,
             changed: false,
-        })
+        }
     }
 
     pub fn field(&self) -> &ProbeField {
-        &self.field
+        self.field.get_or_init(|| ProbeField::new(&self.transport))
+    }
+
+    /// The light of probes lies elsewhere.
+    pub fn bind(&mut self, gpu: &Gpu, spaces: &Spaces) {
+        self.group = group(gpu, &self.layout, spaces, &self.weights, &self.light);
+        self.changed = true;
     }
 
     /// Nine coefficients an instance: seen directly, and bounced.
@@ -76,20 +80,22 @@ impl Objects {
     }
 
     pub fn bytes(&self) -> u64 {
-        self.weights.buffer().size() + self.light.iter().map(wgpu::Buffer::size).sum::<u64>()
+        let held = self.weights.buffer().size() + self.light.iter().map(wgpu::Buffer::size).sum::<u64>();
+        if self.weights.items().is_empty() { 0 } else { held }
     }
 
     /// Follows what moves.
     pub fn update(&mut self, gpu: &Gpu, instances: &Instances, spaces: &Spaces) {
         let mean = Weights { probes: [self.mean_probe; 4], weights: [1.0, 0.0, 0.0, 0.0] };
         let mut cells = HashMap::with_capacity(self.cells.len());
+        let field = |centre, cell: &mut Cell| self.field().weights(centre, cell);
         let weights: Vec<Weights> = instances
             .placed
             .iter()
             .map(|&(entity, centre)| {
                 let cell =
                     cells.entry(entity).or_insert(self.cells.get(&entity).copied().unwrap_or_default());
-                let weights = self.field.weights(centre, cell);
+                let weights = field(centre, cell);
                 if weights.is_none() { mean } else { weights }
             })
             .collect();
@@ -117,7 +123,9 @@ impl Objects {
             label: Some("objects"),
             timestamp_writes: timer.compute("objects"),
         });
-        pass.set_pipeline(&self.pipeline);
+        if !self.pipeline.set(&mut pass, "objects_light", &[]) {
+            return 0;
+        }
         pass.set_bind_group(2, &self.group, &[]);
         pass::dispatch(&mut pass, count * 9);
         1

@@ -1,15 +1,16 @@
 //! What an editor draws over a picture: lines in the world, and an outline around what is selected, seen through
 //! whatever stands before it. The outline is made of a mask of the selected surfaces.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
+use std::sync::Arc;
 
 use super::frame::Renderer;
 use super::lines::Line;
 use super::picking::{MASK, Numbered};
 use super::{Drawn, shaders};
 use crate::gpu::pass::{self, Binding};
-use crate::gpu::shader::Library;
-use crate::gpu::{Gpu, GpuError, texture};
+use crate::gpu::pipeline::{Compiler, Pipelines, Variant};
+use crate::gpu::{Gpu, texture};
 use crate::scene::EntityId;
 
 /// What is drawn over the scene.
@@ -22,30 +23,34 @@ pub struct Marks {
     pub displaced: HashSet<EntityId>,
 }
 
+/// Into pictures of this format.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+struct Display(wgpu::TextureFormat);
+
+impl Variant for Display {
+    fn name(&self) -> String {
+        "outline".to_owned()
+    }
+}
+
 pub struct Outline {
-    module: wgpu::ShaderModule,
     layout: wgpu::PipelineLayout,
     mask_layout: wgpu::BindGroupLayout,
-    pipelines: HashMap<wgpu::TextureFormat, wgpu::RenderPipeline>,
+    pipelines: Pipelines<Display, wgpu::RenderPipeline>,
     mask: Option<(wgpu::Texture, wgpu::BindGroup)>,
     outlined: HashSet<EntityId>,
 }
 
 impl Outline {
-    pub fn new(
-        gpu: &Gpu,
-        library: &mut Library,
-        frame_layout: &wgpu::BindGroupLayout,
-    ) -> Result<Self, GpuError> {
+    pub fn new(gpu: &Gpu, compiler: &Arc<Compiler>, frame_layout: &wgpu::BindGroupLayout) -> Self {
         let mask_layout = pass::layout(gpu, "mask", wgpu::ShaderStages::FRAGMENT, &[Binding::Texels]);
-        Ok(Self {
-            module: library.module(gpu, shaders::OUTLINE)?,
+        Self {
             layout: pass::pipeline_layout(gpu, &[Some(frame_layout), None, None, Some(&mask_layout)]),
             mask_layout,
-            pipelines: HashMap::new(),
+            pipelines: Pipelines::new(compiler, shaders::OUTLINE),
             mask: None,
             outlined: HashSet::new(),
-        })
+        }
     }
 
     fn fit(&mut self, gpu: &Gpu, size: [u32; 2]) {
@@ -82,9 +87,7 @@ impl Renderer {
         }
         self.picking.number(gpu, &self.instances.draws);
         self.outline.fit(gpu, [display.width(), display.height()]);
-        let Outline { module, layout, pipelines, mask: Some((mask, group)), outlined, .. } =
-            &mut self.outline
-        else {
+        let Outline { layout, pipelines, mask: Some((mask, group)), outlined, .. } = &self.outline else {
             return 0;
         };
         let is_outlined =
@@ -94,16 +97,17 @@ impl Renderer {
         pass.set_bind_group(0, &self.frame_group, &[]);
         let numbered = Numbered { instances: &self.instances, still: &self.still, meshes: &self.meshes };
         let draws =
-            self.picking.draw(gpu, &mut pass, &numbered, true, |draw| draw.entity.is_some_and(is_outlined));
+            self.picking.draw(&mut pass, &numbered, true, |draw| draw.entity.is_some_and(is_outlined));
         drop(pass);
 
         let format = display.format();
-        let pipeline = pipelines.entry(format).or_insert_with(|| pipeline(gpu, module, layout, format));
+        let made = pipelines.get(Display(format), |gpu, module| pipeline(gpu, module, layout, format));
+        let Some(pipeline) = made else { return draws };
         let view = display.create_view(&Default::default());
         let mut pass = pass::draw_over(encoder, "outline", &view, None);
-        pass.set_pipeline(pipeline);
+        pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &self.frame_group, &[]);
-        pass.set_bind_group(3, &*group, &[]);
+        pass.set_bind_group(3, group, &[]);
         pass.draw(0..3, 0..1);
         draws + 1
     }

@@ -1,8 +1,8 @@
 //! Text over the picture, in its upper left corner: drawn on the CPU into a panel of few texels, uploaded when it
 //! changes, and laid over the display after the tone curve.
 
-use std::collections::HashMap;
 use std::convert::Infallible;
+use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use embedded_graphics::mono_font::MonoTextStyle;
@@ -13,9 +13,9 @@ use embedded_graphics::text::{Baseline, Text};
 
 use super::shaders;
 use crate::gpu::pass::{self, Binding};
-use crate::gpu::shader::Library;
+use crate::gpu::pipeline::{Compiler, Pipelines, Variant};
 use crate::gpu::timing::Timer;
-use crate::gpu::{Gpu, GpuError, buffer};
+use crate::gpu::{Gpu, buffer};
 
 /// `Panel` in `overlay.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -37,10 +37,19 @@ const TEXT: [u8; 4] = [240, 240, 235, 255];
 /// Columns and lines; what goes beyond them is cut off.
 const MOST: [usize; 2] = [220, 110];
 
+/// What is drawn onto.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+struct Onto(wgpu::TextureFormat);
+
+impl Variant for Onto {
+    fn name(&self) -> String {
+        "overlay".to_owned()
+    }
+}
+
 pub struct Overlay {
-    module: wgpu::ShaderModule,
     layout: wgpu::BindGroupLayout,
-    pipelines: HashMap<wgpu::TextureFormat, wgpu::RenderPipeline>,
+    pipelines: Pipelines<Onto, wgpu::RenderPipeline>,
     uniform: wgpu::Buffer,
     lines: Vec<String>,
     scale: u32,
@@ -56,17 +65,16 @@ struct Uploaded {
 }
 
 impl Overlay {
-    pub fn new(gpu: &Gpu, library: &mut Library) -> Result<Self, GpuError> {
+    pub fn new(gpu: &Gpu, compiler: &Arc<Compiler>) -> Self {
         let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
-        Ok(Self {
-            module: library.module(gpu, shaders::OVERLAY)?,
+        Self {
             layout: pass::layout(gpu, "overlay", stages, &[Binding::Uniform, Binding::Texels]),
-            pipelines: HashMap::new(),
+            pipelines: Pipelines::new(compiler, shaders::OVERLAY),
             uniform: buffer::filled(gpu, "overlay", &[PanelUniform::zeroed()], wgpu::BufferUsages::UNIFORM),
             lines: Vec::new(),
             scale: 1,
             uploaded: None,
-        })
+        }
     }
 
     /// These lines from the next picture on, each texel as `scale` x `scale` pixels; no lines: nothing.
@@ -103,12 +111,13 @@ impl Overlay {
             padding: [0; 2],
         };
         gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
-        let pipeline =
-            self.pipelines.entry(format).or_insert_with(|| pipeline(gpu, &self.module, &self.layout, format));
+        let made =
+            self.pipelines.get(Onto(format), |gpu, module| pipeline(gpu, module, &self.layout, format));
+        let Some(pipeline) = made else { return 0 };
         let view = display.create_view(&Default::default());
         let stamps = timer.and_then(|timer| timer.render("overlay"));
         let mut pass = pass::draw_over(encoder, "overlay", &view, stamps);
-        pass.set_pipeline(pipeline);
+        pass.set_pipeline(&pipeline);
         pass.set_bind_group(3, &uploaded.group, &[]);
         pass.draw(0..4, 0..1);
         1

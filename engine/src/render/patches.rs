@@ -3,14 +3,16 @@
 //! Triangles get vertices of their own, as OpenGL tells a shader no number of the triangle; they are made when
 //! one of these views is first chosen.
 
+use std::sync::Arc;
+
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use wgpu::vertex_attr_array;
 
 use super::surface;
 use super::{shaders, targets};
-use crate::gpu::shader::Library;
-use crate::gpu::{Gpu, GpuError, buffer, pass};
+use crate::gpu::pipeline::{Compiler, Pipelines, Variant};
+use crate::gpu::{Gpu, buffer, pass};
 use crate::transport::{NONE, Transport};
 
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -24,29 +26,30 @@ struct Corner {
 const CORNER: [wgpu::VertexAttribute; 3] = vertex_attr_array![0 => Float32x3, 1 => Uint32x2, 2 => Float32x2];
 
 pub struct Patches {
-    module: wgpu::ShaderModule,
     layout: wgpu::PipelineLayout,
-    made: Option<Made>,
+    pipelines: Pipelines<Sided, wgpu::RenderPipeline>,
+    corners: Option<wgpu::Buffer>,
 }
 
-struct Made {
-    corners: wgpu::Buffer,
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+struct Sided {
+    double: bool,
     samples: u32,
-    /// One-sided, double-sided.
-    pipelines: [wgpu::RenderPipeline; 2],
+}
+
+impl Variant for Sided {
+    fn name(&self) -> String {
+        format!("patches{}", if self.double { ", double-sided" } else { "" })
+    }
 }
 
 impl Patches {
-    pub fn new(
-        gpu: &Gpu,
-        library: &mut Library,
-        frame_layout: &wgpu::BindGroupLayout,
-    ) -> Result<Self, GpuError> {
-        Ok(Self {
-            module: library.module(gpu, shaders::PATCHES)?,
+    pub fn new(gpu: &Gpu, compiler: &Arc<Compiler>, frame_layout: &wgpu::BindGroupLayout) -> Self {
+        Self {
             layout: pass::pipeline_layout(gpu, &[Some(frame_layout)]),
-            made: None,
-        })
+            pipelines: Pipelines::new(compiler, shaders::PATCHES),
+            corners: None,
+        }
     }
 
     /// Draws batches that are shown. Returns the draws.
@@ -59,28 +62,21 @@ impl Patches {
         shown: impl Fn(usize) -> bool,
         samples: u32,
     ) -> u32 {
-        if self.made.as_ref().is_none_or(|made| made.samples != samples) {
-            self.made = Some(self.make(gpu, transport, samples));
-        }
-        let Some(made) = &self.made else { return 0 };
+        let corners = self.corners.get_or_insert_with(|| {
+            buffer::filled(gpu, "patch corners", &corners(transport), wgpu::BufferUsages::VERTEX)
+        });
         pass.set_bind_group(0, frame, &[]);
-        pass.set_vertex_buffer(0, made.corners.slice(..));
+        pass.set_vertex_buffer(0, corners.slice(..));
         let mut draws = 0;
         for (_, batch) in transport.surface.batches.iter().enumerate().filter(|(index, _)| shown(*index)) {
-            pass.set_pipeline(&made.pipelines[usize::from(batch.double_sided == 1)]);
+            let sided = Sided { double: batch.double_sided == 1, samples };
+            let made = self.pipelines.get(sided, |gpu, module| pipeline(gpu, module, &self.layout, sided));
+            let Some(pipeline) = made else { continue };
+            pass.set_pipeline(&pipeline);
             pass.draw(batch.first * 3..(batch.first + batch.count) * 3, 0..1);
             draws += 1;
         }
         draws
-    }
-
-    fn make(&self, gpu: &Gpu, transport: &Transport, samples: u32) -> Made {
-        let pipeline = |cull| pipeline(gpu, &self.module, &self.layout, cull, samples);
-        Made {
-            corners: buffer::filled(gpu, "patch corners", &corners(transport), wgpu::BufferUsages::VERTEX),
-            samples,
-            pipelines: [pipeline(Some(wgpu::Face::Back)), pipeline(None)],
-        }
     }
 }
 
@@ -109,8 +105,7 @@ fn pipeline(
     gpu: &Gpu,
     module: &wgpu::ShaderModule,
     layout: &wgpu::PipelineLayout,
-    cull_mode: Option<wgpu::Face>,
-    samples: u32,
+    Sided { double, samples }: Sided,
 ) -> wgpu::RenderPipeline {
     let corners = wgpu::VertexBufferLayout {
         array_stride: size_of::<Corner>() as u64,
@@ -126,7 +121,10 @@ fn pipeline(
             compilation_options: Default::default(),
             buffers: &[Some(corners)],
         },
-        primitive: wgpu::PrimitiveState { cull_mode, ..Default::default() },
+        primitive: wgpu::PrimitiveState {
+            cull_mode: (!double).then_some(wgpu::Face::Back),
+            ..Default::default()
+        },
         depth_stencil: Some(surface::depth_state(true)),
         multisample: wgpu::MultisampleState { count: samples, ..Default::default() },
         fragment: Some(wgpu::FragmentState {

@@ -1,7 +1,8 @@
 //! Which entity is seen where: the scene drawn once more, each surface in the number of its entity, into a picture as
 //! large as the rectangle that is asked for. What lies beneath is found by asking again without what lies above.
 
-use std::collections::{BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeSet, HashSet};
+use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec4};
@@ -9,11 +10,12 @@ use glam::{Mat4, Vec4};
 use super::frame::{FrameUniform, Now, Renderer};
 use super::instances::{Draw, Instances};
 use super::meshes::{Meshes, StillBuffers};
-use super::{RenderError, shaders, surface};
+use super::surface::{self, Side};
+use super::{RenderError, shaders};
 use crate::gpu::buffer::{self, Held};
 use crate::gpu::pass::{self, Binding};
-use crate::gpu::shader::Library;
-use crate::gpu::{Gpu, GpuError, texture};
+use crate::gpu::pipeline::{self, Compiler, Pipelines};
+use crate::gpu::{Gpu, texture};
 use crate::scene::EntityId;
 
 /// `Object` in `picking.wgsl`, in a slot of a uniform buffer.
@@ -43,17 +45,34 @@ struct Variant {
     mask: bool,
 }
 
+impl pipeline::Variant for Variant {
+    fn name(&self) -> String {
+        let into = if self.mask { "mask" } else { "picking" };
+        let said = [(self.moving, ", moving"), (self.cull.is_none(), ", both sides")];
+        said.iter().filter(|(is, _)| *is).fold(into.to_owned(), |name, (_, word)| name + word)
+    }
+}
+
+/// Buffers and pipelines are made when something is first picked or outlined.
 pub struct Picking {
-    module: wgpu::ShaderModule,
     layout: wgpu::PipelineLayout,
-    pipelines: HashMap<Variant, wgpu::RenderPipeline>,
+    pipelines: Pipelines<Variant, wgpu::RenderPipeline>,
+    frame_layout: wgpu::BindGroupLayout,
     object_layout: wgpu::BindGroupLayout,
-    /// One a draw.
-    objects: Held<ObjectUniform>,
+    objects: Option<Objects>,
+    frame: Option<Frame>,
+}
+
+/// One a draw.
+struct Objects {
+    numbers: Held<ObjectUniform>,
     bound: Option<(u64, wgpu::BindGroup)>,
-    /// The view of a rectangle.
-    frame: wgpu::Buffer,
-    frame_group: wgpu::BindGroup,
+}
+
+/// The view of a rectangle.
+struct Frame {
+    buffer: wgpu::Buffer,
+    group: wgpu::BindGroup,
 }
 
 /// What is drawn with numbers.
@@ -64,24 +83,17 @@ pub(super) struct Numbered<'a> {
 }
 
 impl Picking {
-    pub fn new(
-        gpu: &Gpu,
-        library: &mut Library,
-        frame_layout: &wgpu::BindGroupLayout,
-    ) -> Result<Self, GpuError> {
+    pub fn new(gpu: &Gpu, compiler: &Arc<Compiler>, frame_layout: &wgpu::BindGroupLayout) -> Self {
         let stages = wgpu::ShaderStages::FRAGMENT;
         let object_layout = pass::layout(gpu, "object", stages, &[Binding::UniformSlot]);
-        let frame = buffer::filled(gpu, "picking", &[FrameUniform::zeroed()], wgpu::BufferUsages::UNIFORM);
-        Ok(Self {
-            module: library.module(gpu, shaders::PICKING)?,
+        Self {
             layout: pass::pipeline_layout(gpu, &[Some(frame_layout), None, None, Some(&object_layout)]),
-            pipelines: HashMap::new(),
-            objects: Held::new(gpu, "objects", wgpu::BufferUsages::UNIFORM),
-            bound: None,
-            frame_group: pass::buffers(gpu, "picking", frame_layout, &[&frame]),
-            frame,
+            pipelines: Pipelines::new(compiler, shaders::PICKING),
+            frame_layout: frame_layout.clone(),
             object_layout,
-        })
+            objects: None,
+            frame: None,
+        }
     }
 
     /// Numbers the draws as they are now.
@@ -90,40 +102,52 @@ impl Picking {
             number: draw.entity.map_or(0, |entity| entity as u32 + 1),
             padding: [0; 63],
         };
-        self.objects.write(gpu, &draws.iter().map(object).collect::<Vec<_>>());
-        if self.bound.as_ref().is_some_and(|(generation, _)| *generation == self.objects.generation) {
+        let Objects { numbers, bound } = self.objects.get_or_insert_with(|| Objects {
+            numbers: Held::new(gpu, "objects", wgpu::BufferUsages::UNIFORM),
+            bound: None,
+        });
+        numbers.write(gpu, &draws.iter().map(object).collect::<Vec<_>>());
+        if bound.as_ref().is_some_and(|(generation, _)| *generation == numbers.generation) {
             return;
         }
         let slot = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-            buffer: self.objects.buffer(),
+            buffer: numbers.buffer(),
             offset: 0,
             size: wgpu::BufferSize::new(size_of::<ObjectUniform>() as u64),
         });
-        let group = pass::group(gpu, "object", &self.object_layout, &[slot]);
-        self.bound = Some((self.objects.generation, group));
+        *bound = Some((numbers.generation, pass::group(gpu, "object", &self.object_layout, &[slot])));
+    }
+
+    /// From now on rectangles are seen so. Returns group 0.
+    fn look(&mut self, gpu: &Gpu, uniform: &FrameUniform) -> wgpu::BindGroup {
+        let frame = self.frame.get_or_insert_with(|| {
+            let buffer = buffer::filled(gpu, "picking", &[*uniform], wgpu::BufferUsages::UNIFORM);
+            let group = pass::buffers(gpu, "picking", &self.frame_layout, &[&buffer]);
+            Frame { buffer, group }
+        });
+        gpu.queue.write_buffer(&frame.buffer, 0, bytemuck::bytes_of(uniform));
+        frame.group.clone()
     }
 
     /// Draws what is chosen; group 0 is set. Returns the draws.
     pub(super) fn draw(
-        &mut self,
-        gpu: &Gpu,
+        &self,
         pass: &mut wgpu::RenderPass<'_>,
         numbered: &Numbered<'_>,
         mask: bool,
         chosen: impl Fn(&Draw) -> bool,
     ) -> u32 {
-        let Some((_, objects)) = &self.bound else { return 0 };
+        let Some((_, objects)) = self.objects.as_ref().and_then(|objects| objects.bound.as_ref()) else { return 0 };
         let mut draws = 0;
         for (index, draw) in numbered.instances.draws.iter().enumerate() {
             if !draw.shown || draw.indices.is_empty() || !chosen(draw) {
                 continue;
             }
-            let variant = Variant { moving: draw.mesh.is_some(), cull: surface::culled(draw), mask };
-            let pipeline = self
-                .pipelines
-                .entry(variant)
-                .or_insert_with(|| pipeline(gpu, &self.module, &self.layout, variant));
-            pass.set_pipeline(pipeline);
+            let variant = Variant { moving: draw.mesh.is_some(), cull: surface::culled(draw, &Side::Any), mask };
+            let made =
+                self.pipelines.get(variant, |gpu, module| pipeline(gpu, module, &self.layout, variant));
+            let Some(pipeline) = made else { continue };
+            pass.set_pipeline(&pipeline);
             pass.set_bind_group(3, objects, &[(index * size_of::<ObjectUniform>()) as u32]);
             surface::bind_mesh(pass, draw, numbered.still, numbered.meshes, numbered.instances, false);
             pass.draw_indexed(draw.indices.clone(), 0, 0..1);
@@ -156,19 +180,19 @@ impl Renderer {
             clip_from_world: cropped(size, pixels) * now.eye.clip_from_world(self.transport.origin, aspect),
             ..FrameUniform::zeroed()
         };
-        gpu.queue.write_buffer(&self.picking.frame, 0, bytemuck::bytes_of(&uniform));
+        let frame_group = self.picking.look(gpu, &uniform);
 
         let numbers = texture::target(gpu, "numbers", asked, 1, NUMBERS);
         let depth = texture::samples(gpu, "depth", asked, 1, wgpu::TextureFormat::Depth32Float);
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let mut pass = begin(&mut encoder, &numbers, &depth);
-        pass.set_bind_group(0, &self.picking.frame_group.clone(), &[]);
+        pass.set_bind_group(0, &frame_group, &[]);
         let numbered = Numbered { instances: &self.instances, still: &self.still, meshes: &self.meshes };
         let left = |draw: &Draw| {
             let entity = draw.entity.and_then(|index| now.scene.entities.get(index));
             entity.is_some_and(|entity| !without.contains(&entity.id))
         };
-        self.picking.draw(gpu, &mut pass, &numbered, false, left);
+        self.picking.draw(&mut pass, &numbered, false, left);
         drop(pass);
         gpu.queue.submit([encoder.finish()]);
         let bytes = texture::read(gpu, &numbers, 4)?;

@@ -4,10 +4,10 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::shaders;
+use crate::gpu::Gpu;
 use crate::gpu::pass::{self, Binding};
-use crate::gpu::shader::Library;
+use crate::gpu::pipeline::{Compiler, Pipelines, Variant};
 use crate::gpu::texture::{self, Encoding};
-use crate::gpu::{Gpu, GpuError};
 use crate::scene::assets::{Assets, Picture, Pixels};
 use crate::scene::material::Wrap;
 use crate::scene::{ImageSource, Texture};
@@ -29,15 +29,15 @@ struct Known {
 }
 
 impl Pictures {
-    pub fn new(gpu: &Gpu, library: &mut Library) -> Result<Self, GpuError> {
+    pub fn new(gpu: &Gpu, compiler: &Arc<Compiler>) -> Self {
         let white = texture::rgba8(gpu, "white", [1, 1], &[[255; 4]], Encoding::Linear);
-        Ok(Self {
+        Self {
             known: HashMap::new(),
             samplers: HashMap::new(),
             white: white.create_view(&Default::default()),
-            shrink: Shrink::new(gpu, library)?,
+            shrink: Shrink::new(gpu, compiler),
             bytes: 0,
-        })
+        }
     }
 
     /// All ones: in place of a picture that is not there.
@@ -113,18 +113,26 @@ fn upload(gpu: &Gpu, picture: &Picture, encoding: Encoding) -> Option<wgpu::Text
     })
 }
 
+/// What is drawn into.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+struct Target(wgpu::TextureFormat);
+
+impl Variant for Target {
+    fn name(&self) -> String {
+        "mipmap".to_owned()
+    }
+}
+
 /// Draws each level from the one above it.
 struct Shrink {
-    module: wgpu::ShaderModule,
     layout: wgpu::BindGroupLayout,
     sampler: wgpu::Sampler,
-    pipelines: HashMap<wgpu::TextureFormat, wgpu::RenderPipeline>,
+    pipelines: Pipelines<Target, wgpu::RenderPipeline>,
 }
 
 impl Shrink {
-    fn new(gpu: &Gpu, library: &mut Library) -> Result<Self, GpuError> {
-        Ok(Self {
-            module: library.module(gpu, shaders::MIPMAP)?,
+    fn new(gpu: &Gpu, compiler: &Arc<Compiler>) -> Self {
+        Self {
             layout: pass::layout(
                 gpu,
                 "mipmap",
@@ -136,16 +144,17 @@ impl Shrink {
                 min_filter: wgpu::FilterMode::Linear,
                 ..Default::default()
             }),
-            pipelines: HashMap::new(),
-        })
+            pipelines: Pipelines::new(compiler, shaders::MIPMAP),
+        }
     }
 
-    fn all_levels(&mut self, gpu: &Gpu, texture: &wgpu::Texture) {
+    fn all_levels(&self, gpu: &Gpu, texture: &wgpu::Texture) {
         let format = texture.format();
-        let pipeline = self.pipelines.entry(format).or_insert_with(|| {
+        let made = self.pipelines.get(Target(format), |gpu, module| {
             let layout = pass::pipeline_layout(gpu, &[None, None, None, Some(&self.layout)]);
-            pass::over_picture(gpu, &self.module, "smaller", &layout, format)
+            pass::over_picture(gpu, module, "smaller", &layout, format)
         });
+        let Some(pipeline) = made else { return };
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         for level in 1..texture.mip_level_count() {
             let view = |level| {
@@ -162,7 +171,7 @@ impl Shrink {
             let group = pass::group(gpu, "mipmap", &self.layout, &resources);
             let target = view(level);
             let mut draw = pass::draw_into(&mut encoder, "mipmap", &target, None);
-            draw.set_pipeline(pipeline);
+            draw.set_pipeline(&pipeline);
             draw.set_bind_group(3, &group, &[]);
             draw.draw(0..3, 0..1);
         }

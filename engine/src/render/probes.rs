@@ -1,5 +1,7 @@
 //! Two views of the light probes: each as a small sphere in its own light, and the tetrahedra between them as lines.
 
+use std::sync::Arc;
+
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec3, Vec4};
 use wgpu::vertex_attr_array;
@@ -8,8 +10,8 @@ use super::lines::Line;
 use super::spaces::Spaces;
 use super::{shaders, surface, targets};
 use crate::gpu::pass::{self, Binding};
-use crate::gpu::shader::Library;
-use crate::gpu::{Gpu, GpuError, buffer};
+use crate::gpu::pipeline::{Compiler, Pipelines, Variant};
+use crate::gpu::{Gpu, buffer};
 use crate::scene::shape::{self, Shape};
 use crate::transport::Transport;
 use crate::transport::probe_field::ProbeField;
@@ -34,9 +36,9 @@ const CORNER: [wgpu::VertexAttribute; 1] = vertex_attr_array![0 => Float32x3];
 const SPHERE: [wgpu::VertexAttribute; 2] = vertex_attr_array![1 => Float32x4, 2 => Uint32x2];
 
 pub struct Probes {
-    module: wgpu::ShaderModule,
     layout: wgpu::PipelineLayout,
-    light: wgpu::BindGroup,
+    light_layout: wgpu::BindGroupLayout,
+    pipelines: Pipelines<Samples, wgpu::RenderPipeline>,
     made: Option<Made>,
 }
 
@@ -45,46 +47,53 @@ struct Made {
     indices: wgpu::Buffer,
     index_count: u32,
     spheres: wgpu::Buffer,
-    samples: u32,
-    pipeline: wgpu::RenderPipeline,
+}
+
+/// A pixel's.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+struct Samples(u32);
+
+impl Variant for Samples {
+    fn name(&self) -> String {
+        "probes".to_owned()
+    }
 }
 
 impl Probes {
-    pub fn new(
-        gpu: &Gpu,
-        library: &mut Library,
-        frame_layout: &wgpu::BindGroupLayout,
-        spaces: &Spaces,
-    ) -> Result<Self, GpuError> {
+    pub fn new(gpu: &Gpu, compiler: &Arc<Compiler>, frame_layout: &wgpu::BindGroupLayout) -> Self {
         let vertex = wgpu::ShaderStages::VERTEX;
         let light_layout = pass::layout(gpu, "probes", vertex, &[Binding::Read, Binding::Read]);
-        Ok(Self {
-            module: library.module(gpu, shaders::PROBES)?,
+        Self {
+            pipelines: Pipelines::new(compiler, shaders::PROBES),
             layout: pass::pipeline_layout(gpu, &[Some(frame_layout), None, Some(&light_layout)]),
-            light: pass::buffers(gpu, "probes", &light_layout, &spaces.probes.each_ref()),
+            light_layout,
             made: None,
-        })
+        }
     }
 
     /// Returns the draws.
+    #[allow(clippy::too_many_arguments)] // a draw, told in full
     pub fn draw(
         &mut self,
         gpu: &Gpu,
         pass: &mut wgpu::RenderPass<'_>,
         frame: &wgpu::BindGroup,
         (transport, field): (&Transport, &ProbeField),
+        spaces: &Spaces,
         samples: u32,
     ) -> u32 {
         if transport.probes.is_empty() {
             return 0;
         }
-        if self.made.as_ref().is_none_or(|made| made.samples != samples) {
-            self.made = Some(self.make(gpu, transport, field, samples));
-        }
-        let Some(made) = &self.made else { return 0 };
-        pass.set_pipeline(&made.pipeline);
+        let light = self.light(gpu, spaces);
+        let made = self.made.get_or_insert_with(|| make(gpu, transport, field));
+        let samples = Samples(samples);
+        let pipeline =
+            self.pipelines.get(samples, |gpu, module| pipeline(gpu, module, &self.layout, samples.0));
+        let Some(pipeline) = pipeline else { return 0 };
+        pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, frame, &[]);
-        pass.set_bind_group(2, &self.light, &[]);
+        pass.set_bind_group(2, &light, &[]);
         pass.set_vertex_buffer(0, made.corners.slice(..));
         pass.set_vertex_buffer(1, made.spheres.slice(..));
         pass.set_index_buffer(made.indices.slice(..), wgpu::IndexFormat::Uint32);
@@ -92,17 +101,19 @@ impl Probes {
         1
     }
 
-    fn make(&self, gpu: &Gpu, transport: &Transport, field: &ProbeField, samples: u32) -> Made {
-        use wgpu::BufferUsages as Usage;
-        let mesh = shape::mesh(Shape::Sphere);
-        Made {
-            corners: buffer::filled(gpu, "sphere", &mesh.positions, Usage::VERTEX),
-            indices: buffer::filled(gpu, "sphere", &mesh.indices, Usage::INDEX),
-            index_count: mesh.indices.len() as u32,
-            spheres: buffer::filled(gpu, "probes", &spheres(transport, field), Usage::VERTEX),
-            samples,
-            pipeline: pipeline(gpu, &self.module, &self.layout, samples),
-        }
+    fn light(&self, gpu: &Gpu, spaces: &Spaces) -> wgpu::BindGroup {
+        pass::buffers(gpu, "probes", &self.light_layout, &spaces.probes.each_ref())
+    }
+}
+
+fn make(gpu: &Gpu, transport: &Transport, field: &ProbeField) -> Made {
+    use wgpu::BufferUsages as Usage;
+    let mesh = shape::mesh(Shape::Sphere);
+    Made {
+        corners: buffer::filled(gpu, "sphere", &mesh.positions, Usage::VERTEX),
+        indices: buffer::filled(gpu, "sphere", &mesh.indices, Usage::INDEX),
+        index_count: mesh.indices.len() as u32,
+        spheres: buffer::filled(gpu, "probes", &spheres(transport, field), Usage::VERTEX),
     }
 }
 

@@ -61,6 +61,9 @@ struct Tree {
     mesh: Option<(usize, Arc<Mesh>)>,
 }
 
+/// In place of a share: rays see no pictures.
+const ASK_THE_MAP: f32 = -1.0;
+
 pub struct Rays {
     /// The static surface, then meshes.
     trees: Vec<Tree>,
@@ -69,19 +72,27 @@ pub struct Rays {
     blockers: Held<Blocker>,
     stops: Held<f32>,
     count: Held<CountUniform>,
-    layout: wgpu::BindGroupLayout,
     group: wgpu::BindGroup,
     bound: [u64; 2],
     offset: f32,
+    /// Something casts whose holes only maps know.
+    asks_maps: bool,
 }
 
 impl Rays {
-    pub fn new(gpu: &Gpu, transport: &Transport, occluders: &Occluders) -> Result<Self, GpuError> {
+    pub fn layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
         use Binding::{Read, Uniform};
+        pass::layout(gpu, "rays", wgpu::ShaderStages::COMPUTE, &[Read, Read, Read, Read, Uniform])
+    }
+
+    pub fn new(
+        gpu: &Gpu,
+        layout: &wgpu::BindGroupLayout,
+        transport: &Transport,
+        occluders: &Occluders,
+    ) -> Result<Self, GpuError> {
         let trees = vec![Tree::of_surface(transport, occluders.bvh())];
         gpu.fits("triangles", size_of_val(trees[0].triangles.as_slice()) as u64)?;
-        let layout =
-            pass::layout(gpu, "rays", wgpu::ShaderStages::COMPUTE, &[Read, Read, Read, Read, Uniform]);
         let (nodes, triangles) = upload(gpu, &trees);
         let mut blockers = Held::new(gpu, "blockers", Usage::STORAGE);
         // No binding may be smaller than what it holds one of.
@@ -90,25 +101,26 @@ impl Rays {
         let count = Held::new(gpu, "count", Usage::UNIFORM);
         let buffers = [&nodes, &triangles, blockers.buffer(), stops.buffer(), count.buffer()];
         Ok(Self {
-            group: pass::buffers(gpu, "rays", &layout, &buffers),
+            group: pass::buffers(gpu, "rays", layout, &buffers),
             trees,
             nodes,
             triangles,
             blockers,
             stops,
             count,
-            layout,
             bound: [0; 2],
             offset: occluders.bvh().offset(),
+            asks_maps: false,
         })
-    }
-
-    pub fn layout(&self) -> &wgpu::BindGroupLayout {
-        &self.layout
     }
 
     pub fn group(&self) -> &wgpu::BindGroup {
         &self.group
+    }
+
+    /// Whether some rays end at maps: those that meet something with holes.
+    pub fn asks_maps(&self) -> bool {
+        self.asks_maps
     }
 
     pub fn bytes(&self) -> u64 {
@@ -116,7 +128,7 @@ impl Rays {
     }
 
     /// Follows what casts shadows. Returns whether anything differs from the last frame.
-    pub fn follow(&mut self, gpu: &Gpu, casters: &Casters<'_>) -> bool {
+    pub fn follow(&mut self, gpu: &Gpu, layout: &wgpu::BindGroupLayout, casters: &Casters<'_>) -> bool {
         let grown = self.grow(gpu, casters);
         let draws = &casters.instances.draws;
         let still = draws.iter().take_while(|draw| draw.mesh.is_none()).count();
@@ -130,11 +142,12 @@ impl Rays {
             let shares = things.iter().map(|draw| stops_light(draw, casters));
             let instance = &casters.instances.buffer.items()[things[0].instance as usize];
             let blocker = self.moving_blocker(&things[0], instance, stops.len() as u32);
-            if let Some(blocker) = blocker.filter(|_| shares.clone().any(|share| share > 0.0)) {
+            if let Some(blocker) = blocker.filter(|_| shares.clone().any(|share| share != 0.0)) {
                 blockers.push(blocker);
                 stops.extend(shares);
             }
         }
+        self.asks_maps = stops.contains(&ASK_THE_MAP);
         let count = CountUniform { blockers: blockers.len() as u32, offset: self.offset, padding: [0; 2] };
         let mut changed = self.blockers.write(gpu, &blockers);
         changed |= self.stops.write(gpu, &stops);
@@ -149,7 +162,7 @@ impl Rays {
                 self.stops.buffer(),
                 self.count.buffer(),
             ];
-            self.group = pass::buffers(gpu, "rays", &self.layout, &buffers);
+            self.group = pass::buffers(gpu, "rays", layout, &buffers);
         }
         changed || grown
     }
@@ -260,13 +273,15 @@ fn still_blocker(tree: &Tree) -> Blocker {
     }
 }
 
-/// The share of light that a draw's triangles stop. A blended surface lets through what it does not cover; where its
-/// picture has holes, rays do not see them.
+/// The share of light that a draw's triangles stop; [`ASK_THE_MAP`] where a picture says where they have holes.
 fn stops_light(draw: &Draw, casters: &Casters<'_>) -> f32 {
+    let material = casters.materials.material(draw.material);
     match (draw.casts, draw.pass) {
         (false, _) => 0.0,
-        (true, Pass::Opaque | Pass::Mask) => 1.0,
-        (true, Pass::Blend) => casters.materials.material(draw.material).opacity.clamp(0.0, 1.0),
+        (true, Pass::Opaque) => 1.0,
+        (true, _) if material.albedo.texture.is_some() => ASK_THE_MAP,
+        (true, Pass::Mask) => 1.0,
+        (true, Pass::Blend) => material.opacity.clamp(0.0, 1.0),
     }
 }
 

@@ -1,10 +1,14 @@
 //! Every shader, embedded.
 
-use crate::gpu::GpuError;
+use std::sync::Arc;
+
+use super::surface::Parts;
+use crate::gpu::pipeline::Compiler;
 use crate::gpu::shader::{Library, Source};
+use crate::gpu::{Gpu, GpuError};
 
 /// Files that others import; each stands behind those that it imports itself.
-pub const IMPORTED: [Source; 10] = [
+pub const IMPORTED: [Source; 11] = [
     Source { name: "frame", text: include_str!("../../../shaders/frame.wgsl") },
     Source { name: "scene/mesh", text: include_str!("../../../shaders/scene/mesh.wgsl") },
     Source { name: "scene/material", text: include_str!("../../../shaders/scene/material.wgsl") },
@@ -16,6 +20,10 @@ pub const IMPORTED: [Source; 10] = [
         text: include_str!("../../../shaders/transport/solid_angle.wgsl"),
     },
     Source { name: "transport/rows", text: include_str!("../../../shaders/transport/rows.wgsl") },
+    Source {
+        name: "transport/directional",
+        text: include_str!("../../../shaders/transport/directional.wgsl"),
+    },
     Source { name: "transport/sh", text: include_str!("../../../shaders/transport/sh.wgsl") },
     Source { name: "scene/reflection", text: include_str!("../../../shaders/scene/reflection.wgsl") },
 ];
@@ -55,9 +63,25 @@ pub const EXPOSURE: Source =
 pub const TONEMAP: Source = Source { name: "tonemap", text: include_str!("../../../shaders/tonemap.wgsl") };
 pub const OVERLAY: Source = Source { name: "overlay", text: include_str!("../../../shaders/overlay.wgsl") };
 pub const MIPMAP: Source = Source { name: "mipmap", text: include_str!("../../../shaders/mipmap.wgsl") };
-
 pub const PICKING: Source = Source { name: "picking", text: include_str!("../../../shaders/picking.wgsl") };
 pub const OUTLINE: Source = Source { name: "outline", text: include_str!("../../../shaders/outline.wgsl") };
+
+/// What may be defined in a pass, each set as some scene has it: nothing, each part alone, and all of them.
+pub fn defines(pass: &str) -> Vec<Vec<&'static str>> {
+    let all = match pass {
+        "surface" => Parts::ALL.defines(),
+        "shadow" => vec!["HOLES"],
+        "transport/bounce" | "transport/gather" => vec!["DENSE"],
+        _ => Vec::new(),
+    };
+    let alone = all.iter().map(|part| vec![*part]);
+    [Vec::new()].into_iter().chain(alone).chain([all.clone()]).collect()
+}
+
+/// What makes pipelines of them.
+pub fn compiler(gpu: &Arc<Gpu>) -> Result<Arc<Compiler>, GpuError> {
+    Ok(Arc::new(Compiler { gpu: gpu.clone(), library: library()? }))
+}
 
 pub fn library() -> Result<Library, GpuError> {
     Library::new(&IMPORTED)

@@ -5,6 +5,7 @@
 //! layers of three array textures ([`super::shadow_maps`]). Front and back of surfaces block ([`super::casters`]).
 
 use std::hash::{DefaultHasher, Hash, Hasher};
+use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Mat4, Vec3, Vec4};
@@ -19,10 +20,10 @@ use super::shadow_view::{self, POINT, Place, SPOT, SUN, Seen, fit, kind_of};
 use super::view::Eye;
 use crate::gpu::buffer::Held;
 use crate::gpu::pass::{self, Binding};
-use crate::gpu::shader::Library;
+use crate::gpu::pipeline::Compiler;
 use crate::gpu::timing::Timer;
-use crate::gpu::{Gpu, GpuError, texture};
-use crate::scene::EntityId;
+use crate::gpu::{Gpu, texture};
+use crate::scene::{EntityId, Forced};
 use crate::transport::direct::PlacedLight;
 
 /// `ShadowView` in `shadow.wgsl`, and the room that a dynamic offset leaves.
@@ -54,8 +55,18 @@ pub struct Shadows {
     /// The sphere that sun maps cover.
     fit: (Vec3, f32),
     slices: Slices,
+    asked: Asked,
+}
+
+/// What of shadows is not left to the scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Asked {
+    /// In: of lights that cast none, too, though nobody looks at those; out: nothing casts.
+    pub maps: Option<Forced>,
+    /// In: every caster is looked at for holes; out: none has any.
+    pub holes: Option<Forced>,
     /// Lights with a range are found by the grid, and not all in one list.
-    in_grid: bool,
+    pub in_grid: bool,
 }
 
 /// Where a frame's commands go.
@@ -91,10 +102,10 @@ struct Assigned<'a> {
 impl Shadows {
     pub fn new(
         gpu: &Gpu,
-        library: &mut Library,
+        compiler: &Arc<Compiler>,
         material_layout: &wgpu::BindGroupLayout,
-        in_grid: bool,
-    ) -> Result<Self, GpuError> {
+        asked: Asked,
+    ) -> Self {
         use Binding::{Comparison, DepthLayers, Read, Uniform};
         let both = wgpu::ShaderStages::FRAGMENT | wgpu::ShaderStages::COMPUTE;
         let slot_layout =
@@ -108,8 +119,8 @@ impl Shadows {
         let grid = LightGrid::new(gpu);
         let comparison = comparison(gpu);
         let buffers = [lights.buffer(), matrices.buffer(), grid.uniform.buffer(), grid.lists.buffer()];
-        Ok(Self {
-            casters: CasterPass::new(gpu, library, &slot_layout, material_layout)?,
+        Self {
+            casters: CasterPass::new(gpu, compiler, [&slot_layout, material_layout], asked.holes),
             slot_group: slot_group(gpu, &slot_layout, &slots),
             scene_group: scene_group(gpu, &scene_layout, buffers, &maps, &comparison),
             bound: [0; 5],
@@ -126,8 +137,8 @@ impl Shadows {
             suns: 0,
             fit: (Vec3::ZERO, 1.0),
             slices: Slices::default(),
-            in_grid,
-        })
+            asked,
+        }
     }
 
     /// Group 1: lights, their grid and their maps.
@@ -196,7 +207,7 @@ impl Shadows {
     /// Layers for every light that casts shadows.
     fn make_room(&mut self, gpu: &Gpu, placed: &[PlacedLight]) {
         let mut wanted: [Vec<EntityId>; 3] = Default::default();
-        for light in placed.iter().filter(|light| light.light.casts_shadows) {
+        for light in placed.iter().filter(|light| self.has_map(light)) {
             wanted[kind_of(light)].push(light.entity);
         }
         self.suns = wanted[SUN].len();
@@ -212,11 +223,18 @@ impl Shadows {
         }
     }
 
+    fn has_map(&self, light: &PlacedLight) -> bool {
+        match self.asked.maps {
+            Some(forced) => forced == Forced::In,
+            None => light.light.casts_shadows,
+        }
+    }
+
     /// Which light has which map, for all lights that shine.
     fn assign<'a>(&self, placed: &'a [PlacedLight]) -> Assigned<'a> {
         let shining = placed.iter().filter(|light| lights::shines(light));
         let (everywhere, local): (Vec<_>, Vec<_>) = shining.partition(|light| lights::is_everywhere(light));
-        let count = if self.in_grid { everywhere.len() } else { everywhere.len() + local.len() };
+        let count = if self.asked.in_grid { everywhere.len() } else { everywhere.len() + local.len() };
         let placed: Vec<&PlacedLight> = everywhere.into_iter().chain(local).collect();
         let mut seen = Vec::new();
         let lights = placed.iter().enumerate();
@@ -226,14 +244,15 @@ impl Shadows {
 
     fn described(&self, number: usize, light: &PlacedLight, seen: &mut Vec<Seen>) -> GpuLight {
         let mut described = lights::on_gpu(light);
-        if !light.light.casts_shadows {
+        if !self.has_map(light) {
             return described;
         }
         let maps = &self.maps[kind_of(light)];
-        described.layer = lights::UNMAPPED;
+        let casts = light.light.casts_shadows;
+        described.layer = if casts { lights::UNMAPPED } else { -1 };
         if let Some(layer) = maps.layer(light.entity) {
             let place = Place { light: number, layer, size: maps.size, fit: self.fit };
-            described.layer = layer as i32;
+            described.layer = if casts { layer as i32 } else { -1 };
             described.first_view = seen.len() as u32;
             described.texel = shadow_view::see(light, &place, &self.slices, seen);
         }
@@ -326,7 +345,7 @@ impl Shadows {
             ..Default::default()
         });
         pass.set_bind_group(0, &self.slot_group, &[(slot * size_of::<ShadowView>()) as u32]);
-        self.casters.draw(recording.gpu, &mut pass, seen, reached, casters)
+        self.casters.draw(&mut pass, seen, reached, casters)
     }
 }
 

@@ -78,15 +78,30 @@ impl Maps {
     }
 
     pub fn bytes(&self) -> u64 {
+        if self.size == 0 {
+            return 0;
+        }
         let texels = u64::from(self.texture.width()) * u64::from(self.texture.height());
         texels * 4 * u64::from(self.texture.depth_or_array_layers())
+    }
+
+    /// Nobody wants a map. Returns whether there were any.
+    fn release(&mut self, gpu: &Gpu) -> bool {
+        let had = self.size > 0;
+        if had {
+            *self = Self::new(gpu, self.kind);
+        }
+        had
     }
 
     fn make_room(&mut self, gpu: &Gpu, wanted: usize, each: usize) -> bool {
         let most = gpu.device.limits().max_texture_array_layers as usize;
         let fits = wanted <= self.owners.len() && wanted * 4 > self.owners.len();
         let places = wanted.next_power_of_two().min((most - 1) / each);
-        if wanted == 0 || each == self.each && (fits || places == self.owners.len()) {
+        if wanted == 0 {
+            return self.release(gpu);
+        }
+        if each == self.each && (fits || places == self.owners.len()) && self.size > 0 {
             return false;
         }
         let largest = if each > 1 && self.kind == SUN { LARGEST_CASCADE } else { LARGEST[self.kind] };

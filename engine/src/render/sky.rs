@@ -1,16 +1,15 @@
 //! The sky behind the scene.
 
-use std::collections::HashMap;
-
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
+use std::sync::Arc;
 
 use super::pictures::Pictures;
 use super::{shaders, surface, targets};
 use crate::gpu::pass::{self, Binding};
-use crate::gpu::shader::Library;
+use crate::gpu::pipeline::{Compiler, Pipelines, Variant};
 use crate::gpu::texture::Encoding;
-use crate::gpu::{Gpu, GpuError, buffer};
+use crate::gpu::{Gpu, buffer};
 use crate::scene::assets::Assets;
 use crate::scene::{ImageSource, SkyKind};
 use crate::transport::direct::PlacedLight;
@@ -31,14 +30,24 @@ pub struct SkyUniform {
     pub padding: f32,
 }
 
+/// A pixel's.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+struct Samples(u32);
+
+impl Variant for Samples {
+    fn name(&self) -> String {
+        format!("sky, {} a pixel", self.0)
+    }
+}
+
 pub struct SkyPass {
-    module: wgpu::ShaderModule,
-    /// By samples a pixel.
-    pipelines: HashMap<u32, wgpu::RenderPipeline>,
+    pipelines: Pipelines<Samples, wgpu::RenderPipeline>,
     pipeline_layout: wgpu::PipelineLayout,
     layout: wgpu::BindGroupLayout,
     uniform: wgpu::Buffer,
     held: SkyUniform,
+    /// Drawn though there is none.
+    forced: bool,
     image: Option<ImageSource>,
     group: wgpu::BindGroup,
     sampler: wgpu::Sampler,
@@ -47,10 +56,11 @@ pub struct SkyPass {
 impl SkyPass {
     pub fn new(
         gpu: &Gpu,
-        library: &mut Library,
+        compiler: &Arc<Compiler>,
         frame_layout: &wgpu::BindGroupLayout,
         pictures: &Pictures,
-    ) -> Result<Self, GpuError> {
+        forced: bool,
+    ) -> Self {
         let layout = pass::layout(
             gpu,
             "sky",
@@ -64,17 +74,17 @@ impl SkyPass {
             min_filter: wgpu::FilterMode::Linear,
             ..Default::default()
         });
-        Ok(Self {
-            module: library.module(gpu, shaders::SKY)?,
-            pipelines: HashMap::new(),
+        Self {
+            pipelines: Pipelines::new(compiler, shaders::SKY),
             pipeline_layout: pass::pipeline_layout(gpu, &[Some(frame_layout), None, None, Some(&layout)]),
             group: group(gpu, &layout, &uniform, &pictures.white(), &sampler),
             layout,
             uniform,
             held: SkyUniform::default(),
+            forced,
             image: None,
             sampler,
-        })
+        }
     }
 
     /// Follows the scene's sky and the light that is its sun. Returns whether it looks otherwise now.
@@ -101,21 +111,15 @@ impl SkyPass {
     }
 
     /// Returns the draws.
-    pub fn draw(
-        &mut self,
-        gpu: &Gpu,
-        pass: &mut wgpu::RenderPass<'_>,
-        frame: &wgpu::BindGroup,
-        samples: u32,
-    ) -> u32 {
-        if self.held.kind == 0 {
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, frame: &wgpu::BindGroup, samples: u32) -> u32 {
+        if self.held.kind == 0 && !self.forced {
             return 0;
         }
-        let pipeline = self
+        let made = self
             .pipelines
-            .entry(samples)
-            .or_insert_with(|| pipeline(gpu, &self.module, &self.pipeline_layout, samples));
-        pass.set_pipeline(pipeline);
+            .get(Samples(samples), |gpu, module| pipeline(gpu, module, &self.pipeline_layout, samples));
+        let Some(pipeline) = made else { return 0 };
+        pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, frame, &[]);
         pass.set_bind_group(3, &self.group, &[]);
         pass.draw(0..3, 0..1);

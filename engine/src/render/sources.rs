@@ -11,14 +11,16 @@ use super::frame::Now;
 use super::spaces::Spaces;
 use super::unit;
 use crate::gpu::{Gpu, GpuError};
-use crate::scene::Sky;
+use crate::scene::{Forced, Sky};
 use crate::transport::materials::{PatchMaterials, of_patches};
 use crate::transport::solve::{self, Choice, Method, System, choose_for_frames};
-use crate::transport::{Transport, sky};
+use crate::transport::{Transport, sky as sky_patches};
 
 pub struct Sources {
     transport: Arc<Transport>,
     unlimited_gain: bool,
+    /// What the author says of the coarse correction.
+    coarse: Option<Forced>,
     /// Wait for what is solved for on another thread.
     wait: bool,
     held: Option<Held>,
@@ -52,11 +54,12 @@ pub struct Changed {
 }
 
 impl Sources {
-    pub fn new(transport: Arc<Transport>, settings: &Settings) -> Self {
+    pub fn new(transport: Arc<Transport>, settings: &Settings, coarse: Option<Forced>) -> Self {
         let choice = choose_for_frames(&transport.patch_from_patch, &transport.patches, 1.0);
         Self {
             transport,
             unlimited_gain: settings.unlimited_gain,
+            coarse,
             wait: settings.wait,
             held: None,
             exponent: 0,
@@ -71,12 +74,15 @@ impl Sources {
     pub fn update(
         &mut self,
         gpu: &Gpu,
-        now: &Now<'_>,
+        (now, sky): (&Now<'_>, &Sky),
         materials_changed: bool,
         brightest: f32,
         spaces: &Spaces,
         coarse: &mut Coarse,
     ) -> Result<Changed, GpuError> {
+        if self.transport.solved.is_some() {
+            return Ok(Changed::default());
+        }
         let first = self.held.is_none();
         let mut held = self.held.take().unwrap_or_default();
         let mut changed = Changed { albedo: first, emission: first, rescaled: None };
@@ -86,12 +92,12 @@ impl Sources {
             changed.emission |= new.exitance != held.materials.exitance;
             held.materials = new;
         }
-        if self.transport.sky_patches > 0 && (first || held.sky != now.scene.sky) {
-            held.radiance = sky::radiance_of_patches(&now.scene.sky, now.assets);
+        if self.transport.sky_patches > 0 && (first || held.sky != *sky) {
+            held.radiance = sky_patches::radiance_of_patches(sky, now.assets);
             held.radiance.truncate(self.transport.sky_patches as usize);
             changed.emission = true;
         }
-        held.sky = now.scene.sky.clone();
+        held.sky = sky.clone();
         if changed.albedo {
             spaces.set_albedo(gpu, &held.materials.albedo);
             self.follow_albedo(gpu, &held.materials.albedo, coarse)?;
@@ -187,7 +193,13 @@ impl Sources {
 
     fn chosen(&self) -> Choice {
         let transport = &self.transport;
-        choose_for_frames(&transport.patch_from_patch, &transport.patches, f64::from(self.gain))
+        let gain = match self.coarse {
+            // As if light wandered for ever.
+            Some(Forced::In) => f64::INFINITY,
+            Some(Forced::Out) => 1.0,
+            None => f64::from(self.gain),
+        };
+        choose_for_frames(&transport.patch_from_patch, &transport.patches, gain)
     }
 
     /// How frames iterate.

@@ -8,6 +8,9 @@ use wgpu::BufferUsages as Usage;
 use crate::gpu::{Gpu, GpuError, buffer};
 use crate::transport::{Sample, Transport};
 
+/// A binding begins at a multiple of 256 bytes.
+const ALIGNED: u64 = 16;
+
 /// All buffers of light, and the patches that it lives on.
 pub struct Spaces {
     pub patch_count: u32,
@@ -15,6 +18,8 @@ pub struct Spaces {
     /// Of valid receivers.
     pub valid_receivers: u32,
     pub probe_count: u32,
+    /// Where directional terms begin behind the receivers; 0 where there are none.
+    pub directional: u32,
     pub patches: wgpu::Buffer,
     pub samples: wgpu::Buffer,
     /// By patch.
@@ -29,37 +34,44 @@ pub struct Spaces {
     pub next: wgpu::Buffer,
     /// By column: B without what is emitted; the sky's is 0.
     pub bounced: wgpu::Buffer,
-    /// By receiver: irradiance from `emitted`, and from `bounced`.
+    /// By receiver: irradiance from `emitted`, and from `bounced`. Behind them, from `directional` on, the directional
+    /// terms of the first of them, three each.
     pub receivers: [wgpu::Buffer; 2],
-    /// Nine a probe, and nine more for where no probe is: likewise.
+    /// Nine a probe, and nine more for where no probe is: likewise. Nothing while nobody reads them.
     pub probes: [wgpu::Buffer; 2],
+    has_probes: bool,
     pub bytes: u64,
 }
 
 impl Spaces {
     pub fn new(gpu: &Gpu, transport: &Transport) -> Result<Self, GpuError> {
-        let (patches, receivers) = (transport.patches.len() as u64, transport.receivers.len() as u64);
-        let (columns, probes) = (transport.columns() as u64, transport.probes.len() as u64);
+        // Where light was solved at the bake, it does not move: only what is read is there.
+        let moves = u64::from(transport.solved.is_none());
+        let (patches, receivers) = (transport.patches.len() as u64 * moves, transport.receivers.len() as u64);
+        let (columns, probes) = (transport.columns() as u64 * moves, transport.probes.len() as u64);
+        let terms = transport.directional_terms() as u64;
+        let directional = if terms > 0 { receivers.next_multiple_of(ALIGNED) } else { 0 };
+        let receivers_and_terms = if terms > 0 { directional + terms } else { receivers };
         let samples = &transport.samples;
         let sizes = [
             ("patches", patches * 64),
             ("sky", columns * 16),
             ("samples", size_of::<Sample>() as u64 * samples.len() as u64),
-            ("receivers", receivers * 16),
-            ("probes", (probes + 1) * 144),
+            ("receivers", receivers_and_terms * 16),
         ];
         for (what, bytes) in sizes {
             gpu.fits(what, bytes)?;
         }
         let light = |label, count: u64| buffer::empty(gpu, label, count * 16, Usage::STORAGE);
         let both = |label, count: u64| [light(label, count), light(label, count)];
+        gpu.fits("probes", (probes + 1) * 144)?;
         Ok(Self {
             patch_count: patches as u32,
             receiver_count: receivers as u32,
             valid_receivers: transport.receivers.iter().filter(|receiver| receiver.valid > 0.5).count()
                 as u32,
             probe_count: probes as u32,
-            patches: buffer::filled(gpu, "patches", &transport.patches, Usage::STORAGE),
+            patches: buffer::filled(gpu, "patches", &transport.patches[..patches as usize], Usage::STORAGE),
             samples: buffer::filled(gpu, "samples", samples, Usage::STORAGE),
             albedo: light("albedo", patches),
             emitted: light("emitted", columns),
@@ -67,14 +79,32 @@ impl Spaces {
             radiosity: light("radiosity", columns),
             next: light("next", patches),
             bounced: light("bounced", columns),
-            receivers: both("receivers", receivers),
-            probes: both("probes", (probes + 1) * 9),
+            directional: directional as u32,
+            receivers: both("receivers", receivers_and_terms),
+            probes: both("probes", 0),
+            has_probes: false,
             bytes: sizes.iter().map(|size| size.1).sum::<u64>()
                 + patches * 48
                 + columns * 32
-                + receivers * 16
-                + (probes + 1) * 144,
+                + receivers_and_terms * 16,
         })
+    }
+
+    /// Whether there is light of probes.
+    pub fn has_probes(&self) -> bool {
+        self.has_probes
+    }
+
+    /// Makes room for the light of probes, or gives it back.
+    pub fn hold_probes(&mut self, gpu: &Gpu, held: bool) {
+        let bytes = if held { (u64::from(self.probe_count) + 1) * 144 } else { 0 };
+        self.probes = [0, 1].map(|_| buffer::empty(gpu, "probes", bytes, Usage::STORAGE));
+        self.has_probes = held;
+    }
+
+    /// Bytes of the light of probes.
+    pub fn probe_bytes(&self) -> u64 {
+        if self.has_probes { (u64::from(self.probe_count) + 1) * 288 } else { 0 }
     }
 
     /// No light anywhere.
@@ -101,6 +131,23 @@ impl Spaces {
             let bytes = u64::from(self.patch_count) * 16;
             encoder.copy_buffer_to_buffer(&self.exitance, 0, &self.radiosity, 0, bytes);
         }
+    }
+
+    /// What was solved elsewhere [W/m2]; nothing is dark.
+    pub fn fill(&self, gpu: &Gpu, buffer: &wgpu::Buffer, light: &[Vec3]) {
+        let room = buffer.size() as usize / 16;
+        let dark = vec![Vec3::ZERO; room];
+        write(gpu, buffer, 0, if light.is_empty() { &dark } else { &light[..light.len().min(room)] });
+    }
+
+    /// The same for receivers, with the directional terms of the first ones, from emitted light or from what bounced.
+    pub fn fill_receivers(&self, gpu: &Gpu, which: usize, light: &[Vec3], terms: &[Vec3]) {
+        let buffer = &self.receivers[which];
+        let mut all = vec![Vec3::ZERO; buffer.size() as usize / 16];
+        all.iter_mut().zip(light).for_each(|(into, light)| *into = *light);
+        let behind = all.iter_mut().skip(self.directional as usize);
+        behind.zip(terms).for_each(|(into, term)| *into = *term);
+        write(gpu, buffer, 0, &all);
     }
 
     pub fn set_albedo(&self, gpu: &Gpu, albedo: &[Vec3]) {

@@ -1,6 +1,6 @@
 //! Surfaces: the baked ones and what moves, opaque first, blended ones from back to front behind the sky.
 
-use std::collections::HashMap;
+use std::sync::Arc;
 
 use glam::{Mat4, Vec3};
 use wgpu::{VertexAttribute, VertexBufferLayout, VertexStepMode, vertex_attr_array};
@@ -14,9 +14,10 @@ use super::shaders;
 use super::shadow_view::in_sight;
 use super::spaces::Spaces;
 use super::targets;
+use crate::gpu::Gpu;
 use crate::gpu::pass::{self, Binding};
-use crate::gpu::shader::Library;
-use crate::gpu::{Gpu, GpuError};
+use crate::gpu::pipeline::{self, Compiler, Pipelines};
+use crate::scene::{Alpha, Material};
 use crate::transport::Vertex;
 use crate::transport::surface::Blend;
 
@@ -96,17 +97,84 @@ pub fn bind_mesh(
 struct Variant {
     moving: bool,
     blend: bool,
+    bumped: bool,
     cull: Option<wgpu::Face>,
     samples: u32,
     mirrored: bool,
+    parts: Parts,
+}
+
+impl pipeline::Variant for Variant {
+    fn name(&self) -> String {
+        let said =
+            [(self.moving, "moving"), (self.cull.is_none(), "both sides"), (self.mirrored, "mirrored")];
+        let said = said.into_iter().filter(|(is, _)| *is).map(|(_, word)| word.to_owned());
+        let parts = self.parts.defines().into_iter().map(|part| part.to_lowercase().replace('_', " "));
+        ["surface".to_owned()].into_iter().chain(said).chain(parts).collect::<Vec<_>>().join(", ")
+    }
+
+    fn defines(&self) -> Vec<&'static str> {
+        self.parts.defines()
+    }
+}
+
+/// Parts of the shader that not every surface needs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Parts {
+    pub normal_map: bool,
+    pub mask: bool,
+    pub blend: bool,
+    pub unlit: bool,
+    /// Punctual lights shine.
+    pub lights: bool,
+    /// There are cubemaps.
+    pub cubemaps: bool,
+}
+
+impl Parts {
+    pub const ALL: Self =
+        Self { normal_map: true, mask: true, blend: true, unlit: true, lights: true, cubemaps: true };
+
+    /// As they are defined in `surface.wgsl`.
+    pub fn defines(&self) -> Vec<&'static str> {
+        let all = [
+            (self.normal_map, "NORMAL_MAP"),
+            (self.mask, "MASK"),
+            (self.blend, "BLEND"),
+            (self.unlit, "UNLIT"),
+            (self.lights, "LIGHTS"),
+            (self.cubemaps, "CUBEMAPS"),
+        ];
+        all.into_iter().filter(|(is, _)| *is).map(|(_, name)| name).collect()
+    }
+
+    /// What a material asks for, of what there is.
+    fn of(material: &Material, there: &Self) -> Self {
+        let lit = !material.unlit;
+        Self {
+            normal_map: there.normal_map && material.normal_texture.is_some(),
+            mask: there.mask && matches!(material.alpha, Alpha::Mask { .. }),
+            blend: there.blend && material.alpha == Alpha::Blend,
+            unlit: there.unlit && material.unlit,
+            lights: there.lights && lit,
+            cubemaps: there.cubemaps && lit,
+        }
+    }
+}
+
+/// Which parts the surfaces of a frame have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Variants {
+    /// What there is at all.
+    pub there: Parts,
+    /// All surfaces have all of it, whatever their materials ask for.
+    pub alike: bool,
 }
 
 pub struct Surfaces {
-    module: wgpu::ShaderModule,
     layout: wgpu::PipelineLayout,
     light_layout: wgpu::BindGroupLayout,
-    /// Made when first needed.
-    pipelines: HashMap<Variant, wgpu::RenderPipeline>,
+    pipelines: Pipelines<Variant, wgpu::RenderPipeline>,
     /// Group 2, and what it binds.
     light: Option<([u64; 4], wgpu::BindGroup)>,
     order: Vec<usize>,
@@ -138,18 +206,18 @@ pub struct Scenery<'a> {
     pub still: &'a StillBuffers,
     pub meshes: &'a Meshes,
     pub materials: &'a Materials,
+    pub variants: Variants,
 }
 
 impl Surfaces {
     pub fn new(
         gpu: &Gpu,
-        library: &mut Library,
+        compiler: &Arc<Compiler>,
         frame_layout: &wgpu::BindGroupLayout,
         scene_layout: &wgpu::BindGroupLayout,
         material_layout: &wgpu::BindGroupLayout,
-    ) -> Result<Self, GpuError> {
+    ) -> Self {
         use Binding::{Cubes, Picture, Read, Sampler, UniformSlot};
-        let module = library.module(gpu, shaders::SURFACE)?;
         let light_layout = pass::layout(
             gpu,
             "light",
@@ -157,14 +225,13 @@ impl Surfaces {
             &[Read, Read, Read, Read, UniformSlot, Read, Read, Cubes, Sampler, Picture],
         );
         let groups = [Some(frame_layout), Some(scene_layout), Some(&light_layout), Some(material_layout)];
-        Ok(Self {
-            module,
+        Self {
             layout: pass::pipeline_layout(gpu, &groups),
             light_layout,
-            pipelines: HashMap::new(),
+            pipelines: Pipelines::new(compiler, shaders::SURFACE),
             light: None,
             order: Vec::new(),
-        })
+        }
     }
 
     /// Binds what surfaces read of light and reflections.
@@ -182,7 +249,6 @@ impl Surfaces {
     /// Draws the opaque or the blended surfaces that are in sight. Returns the draws.
     pub fn draw(
         &mut self,
-        gpu: &Gpu,
         pass: &mut wgpu::RenderPass<'_>,
         scenery: &Scenery<'_>,
         look: &Look<'_>,
@@ -192,26 +258,35 @@ impl Surfaces {
         let Some((_, light)) = &self.light else { return 0 };
         pass.set_bind_group(0, look.frame, &[]);
         pass.set_bind_group(1, scenery.scene, &[]);
+        let mut draws = 0;
         for &index in &self.order {
             let draw = &scenery.instances.draws[index];
-            let variant = Variant {
-                moving: draw.mesh.is_some(),
-                blend: which.blended,
-                cull: culled(draw),
-                samples: look.samples,
-                mirrored: look.mirrored,
-            };
-            let pipeline = self
-                .pipelines
-                .entry(variant)
-                .or_insert_with(|| pipeline(gpu, &self.module, &self.layout, variant));
-            pass.set_pipeline(pipeline);
-            pass.set_bind_group(2, light, &[Reflections::offset(index)]);
-            pass.set_bind_group(3, scenery.materials.group(draw.material), &[]);
-            bind_mesh(pass, draw, scenery.still, scenery.meshes, scenery.instances, true);
-            pass.draw_indexed(draw.indices.clone(), 0, 0..1);
+            for side in sides(draw) {
+                let parts = scenery.variants.of(scenery.materials.material(draw.material));
+                let variant = Variant {
+                    moving: draw.mesh.is_some(),
+                    blend: which.blended,
+                    bumped: draw.bumped && parts.normal_map,
+                    cull: culled(draw, side),
+                    samples: look.samples,
+                    mirrored: look.mirrored,
+                    parts,
+                };
+                let made =
+                    self.pipelines.get(variant, |gpu, module| pipeline(gpu, module, &self.layout, variant));
+                let Some(pipeline) = made else { continue };
+                pass.set_pipeline(&pipeline);
+                pass.set_bind_group(2, light, &[Reflections::offset(index)]);
+                pass.set_bind_group(3, scenery.materials.group(draw.material), &[]);
+                bind_mesh(pass, draw, scenery.still, scenery.meshes, scenery.instances, true);
+                if *side == Side::Back {
+                    pass.set_vertex_buffer(1, scenery.still.back_blends.slice(..));
+                }
+                pass.draw_indexed(draw.indices.clone(), 0, 0..1);
+                draws += 1;
+            }
         }
-        self.order.len() as u32
+        draws
     }
 
     /// Opaque ones from front to back, so that little is drawn over; blended ones from back to front.
@@ -237,11 +312,45 @@ impl Surfaces {
     }
 }
 
-pub fn culled(draw: &Draw) -> Option<wgpu::Face> {
-    match (draw.double_sided, draw.mirrored) {
-        (true, _) => None,
-        (false, false) => Some(wgpu::Face::Back),
-        (false, true) => Some(wgpu::Face::Front),
+impl Variants {
+    fn of(&self, material: &Material) -> Parts {
+        if self.alike { self.there } else { Parts::of(material, &self.there) }
+    }
+}
+
+/// What of a surface is drawn at once.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// All that is seen of it.
+    Any,
+    Front,
+    Back,
+}
+
+/// Directional terms are many: those of one side at once pass from vertices to pixels.
+fn sides(draw: &Draw) -> &'static [Side] {
+    let each = draw.bumped && draw.double_sided && draw.mesh.is_none();
+    if each { &[Side::Back, Side::Front] } else { &[Side::Any] }
+}
+
+/// Faces that are not drawn.
+pub fn culled(draw: &Draw, side: &Side) -> Option<wgpu::Face> {
+    match (side, draw.double_sided, draw.mirrored) {
+        (Side::Front, ..) => Some(wgpu::Face::Back),
+        (Side::Back, ..) => Some(wgpu::Face::Front),
+        (Side::Any, true, _) => None,
+        (Side::Any, false, false) => Some(wgpu::Face::Back),
+        (Side::Any, false, true) => Some(wgpu::Face::Front),
+    }
+}
+
+/// Of vertices and of pixels.
+fn entries(variant: Variant) -> [&'static str; 2] {
+    match (variant.moving, variant.bumped) {
+        (false, false) => ["still", "shade"],
+        (false, true) => ["still_bumped", "shade_bumped"],
+        (true, false) => ["moving", "shade"],
+        (true, true) => ["moving_bumped", "shade_moving_bumped"],
     }
 }
 
@@ -251,12 +360,13 @@ fn pipeline(
     layout: &wgpu::PipelineLayout,
     variant: Variant,
 ) -> wgpu::RenderPipeline {
+    let [vertex, fragment] = entries(variant);
     gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("surface"),
         layout: Some(layout),
         vertex: wgpu::VertexState {
             module,
-            entry_point: Some(if variant.moving { "moving" } else { "still" }),
+            entry_point: Some(vertex),
             compilation_options: Default::default(),
             buffers: vertex_layouts(variant.moving, true),
         },
@@ -269,7 +379,7 @@ fn pipeline(
         multisample: wgpu::MultisampleState { count: variant.samples, ..Default::default() },
         fragment: Some(wgpu::FragmentState {
             module,
-            entry_point: Some("shade"),
+            entry_point: Some(fragment),
             compilation_options: Default::default(),
             targets: &[Some(wgpu::ColorTargetState {
                 format: targets::RADIANCE,

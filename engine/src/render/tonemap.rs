@@ -1,16 +1,16 @@
 //! The end of the frame: from radiance to the display.
 
-use std::collections::HashMap;
+use std::sync::Arc;
 
 use glam::{Mat3, Vec3};
 
 use super::shaders;
 use super::targets::Targets;
 use super::view::View;
+use crate::gpu::Gpu;
 use crate::gpu::pass::{self, Binding};
-use crate::gpu::shader::Library;
+use crate::gpu::pipeline::{Compiler, Pipelines, Variant};
 use crate::gpu::timing::Timer;
-use crate::gpu::{Gpu, GpuError};
 use crate::scene::ToneCurve;
 
 /// As `frame.wgsl` numbers them.
@@ -64,32 +64,34 @@ fn agx(color: Vec3) -> Vec3 {
     (RGB_FROM_AGX * curved).map(|light| light.clamp(0.0, 1.0).powf(2.2))
 }
 
+/// What is drawn into, and whether more samples a pixel are read than one.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+struct Display {
+    format: wgpu::TextureFormat,
+    many: bool,
+}
+
+impl Variant for Display {
+    fn name(&self) -> String {
+        format!("tonemap{}", if self.many { ", samples" } else { "" })
+    }
+}
+
 pub struct Tonemap {
-    module: wgpu::ShaderModule,
     /// For one sample a pixel, and for more.
     layouts: [wgpu::BindGroupLayout; 2],
     pipeline_layouts: [wgpu::PipelineLayout; 2],
-    /// By the target's format and whether there are more samples.
-    pipelines: HashMap<(wgpu::TextureFormat, bool), wgpu::RenderPipeline>,
+    pipelines: Pipelines<Display, wgpu::RenderPipeline>,
 }
 
 impl Tonemap {
-    pub fn new(
-        gpu: &Gpu,
-        library: &mut Library,
-        frame_layout: &wgpu::BindGroupLayout,
-    ) -> Result<Self, GpuError> {
+    pub fn new(gpu: &Gpu, compiler: &Arc<Compiler>, frame_layout: &wgpu::BindGroupLayout) -> Self {
         let layouts = [Binding::Texels, Binding::MultisampledTexels]
             .map(|texels| pass::layout(gpu, "tonemap", wgpu::ShaderStages::FRAGMENT, &[texels]));
         let pipeline_layouts = layouts
             .each_ref()
             .map(|layout| pass::pipeline_layout(gpu, &[Some(frame_layout), None, None, Some(layout)]));
-        Ok(Self {
-            module: library.module(gpu, shaders::TONEMAP)?,
-            layouts,
-            pipeline_layouts,
-            pipelines: HashMap::new(),
-        })
+        Self { layouts, pipeline_layouts, pipelines: Pipelines::new(compiler, shaders::TONEMAP) }
     }
 
     /// What reads these targets.
@@ -99,8 +101,7 @@ impl Tonemap {
     }
 
     pub fn draw(
-        &mut self,
-        gpu: &Gpu,
+        &self,
         encoder: &mut wgpu::CommandEncoder,
         timer: &mut Timer,
         frame: &wgpu::BindGroup,
@@ -109,13 +110,15 @@ impl Tonemap {
     ) {
         let many = targets.samples_read() > 1;
         let format = display.format();
-        let pipeline = self.pipelines.entry((format, many)).or_insert_with(|| {
-            let entry = if many { "tonemap_samples" } else { "tonemap" };
-            pass::over_picture(gpu, &self.module, entry, &self.pipeline_layouts[usize::from(many)], format)
+        let entry = if many { "tonemap_samples" } else { "tonemap" };
+        let layout = &self.pipeline_layouts[usize::from(many)];
+        let made = self.pipelines.get(Display { format, many }, |gpu, module| {
+            pass::over_picture(gpu, module, entry, layout, format)
         });
+        let Some(pipeline) = made else { return };
         let view = display.create_view(&Default::default());
         let mut pass = pass::draw_into(encoder, "tonemap", &view, timer.render("tonemap"));
-        pass.set_pipeline(pipeline);
+        pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, frame, &[]);
         pass.set_bind_group(3, radiance, &[]);
         pass.draw(0..3, 0..1);

@@ -4,14 +4,17 @@
 //! unit: most scenes keep 1 W/m2. Powers of two change no digit, so that light scaled by one gives the same light
 //! scaled. Receivers and probes are in W/m2 again: what is read there is gathered anew in every frame.
 
+use std::sync::Arc;
+
 use bytemuck::{Pod, Zeroable};
 
 use super::shaders;
 use super::spaces::Spaces;
+use crate::gpu::Gpu;
 use crate::gpu::buffer;
 use crate::gpu::pass::{self, Binding};
-use crate::gpu::shader::Library;
-use crate::gpu::{Gpu, GpuError};
+use crate::gpu::pipeline::{Compiler, Compute};
+use crate::gpu::timing::Timer;
 
 /// Powers of two between the unit and the brightest at which the unit changes.
 const ROOM: f32 = 24.0;
@@ -38,7 +41,7 @@ pub fn exponent(now: i32, brightest: f32) -> i32 {
 
 /// Multiplies what is stored.
 pub struct Rescale {
-    pipeline: wgpu::ComputePipeline,
+    pipeline: Compute,
     /// Of B, and of B without what is emitted.
     lights: [wgpu::BindGroup; 2],
     own: wgpu::BindGroup,
@@ -47,31 +50,36 @@ pub struct Rescale {
 }
 
 impl Rescale {
-    pub fn new(gpu: &Gpu, library: &mut Library, spaces: &Spaces) -> Result<Self, GpuError> {
+    pub fn new(gpu: &Gpu, compiler: &Arc<Compiler>, spaces: &Spaces) -> Self {
         let compute = wgpu::ShaderStages::COMPUTE;
-        let module = library.module(gpu, shaders::UNIT)?;
         let light = pass::layout(gpu, "unit", compute, &[Binding::Write]);
         let own = pass::layout(gpu, "unit", compute, &[Binding::Uniform]);
         let uniform = buffer::empty(gpu, "unit", 16, wgpu::BufferUsages::UNIFORM);
-        Ok(Self {
-            pipeline: pass::compute(gpu, &module, "rescale", &[None, None, Some(&light), Some(&own)]),
+        let groups = [None, None, Some(&light), Some(&own)];
+        Self {
+            pipeline: Compute::new(compiler, shaders::UNIT, &groups),
             lights: [&spaces.radiosity, &spaces.bounced]
                 .map(|buffer| pass::buffers(gpu, "unit", &light, &[buffer])),
             own: pass::buffers(gpu, "unit", &own, &[&uniform]),
             uniform,
             columns: spaces.patch_count,
-        })
+        }
     }
 
     /// Returns the dispatches.
-    pub fn run(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, factor: f32) -> u32 {
+    pub fn run(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, timer: &mut Timer, factor: f32) -> u32 {
         if self.columns == 0 {
             return 0;
         }
         let uniform = RescaleUniform { columns: self.columns, factor, padding: [0; 2] };
         gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
-        let mut pass = encoder.begin_compute_pass(&Default::default());
-        pass.set_pipeline(&self.pipeline);
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some("rescale"),
+            timestamp_writes: timer.compute("rescale"),
+        });
+        if !self.pipeline.set(&mut pass, "rescale", &[]) {
+            return 0;
+        }
         pass.set_bind_group(3, &self.own, &[]);
         for light in &self.lights {
             pass.set_bind_group(2, light, &[]);

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::{Scene, SceneError};
+use super::{Feature, Forced, Scene, SceneError};
 
 /// Of both kinds of file. Older versions are read, newer ones are refused.
 pub const VERSION: u32 = 1;
@@ -29,6 +29,9 @@ pub struct Project {
     pub default_scene: String,
     #[serde(default)]
     pub bake: BakeSettings,
+    /// Features that are there, or left out, whatever their rules find.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub features: BTreeMap<Feature, Forced>,
 }
 
 /// How the project's scenes are baked where the command line says nothing.
@@ -73,7 +76,12 @@ impl std::fmt::Display for Quality {
 
 impl Default for Project {
     fn default() -> Self {
-        Self { version: VERSION, default_scene: "main".to_owned(), bake: BakeSettings::default() }
+        Self {
+            version: VERSION,
+            default_scene: "main".to_owned(),
+            bake: BakeSettings::default(),
+            features: BTreeMap::new(),
+        }
     }
 }
 

@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::directional;
 use super::key::Input;
+use super::needs::Needs;
 
 /// Written into the bake and printed. Times, threads and texts lie outside the transport hash.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -24,14 +26,21 @@ pub struct Certificate {
     pub triangles: usize,
     /// Entries of patch, receiver and probe rows.
     pub entries: [usize; 3],
+    /// Receivers with directional terms, and the entries of their rows.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub directional_receivers: usize,
+    #[serde(skip_serializing_if = "is_zero")]
+    pub directional_entries: usize,
     /// Traced for what is now in the file, and of those in this run.
     pub rays: u64,
     pub rays_traced: u64,
     /// Of this run.
     pub seconds: f64,
     pub threads: usize,
-    /// Of everything in the file.
+    /// Of the full transport, as it would be stored.
     pub bytes: u64,
+    /// What the player's file was made for: what is needed, and all that leaving out the rest relies on.
+    pub shipped_for: String,
     /// max over patches of |sum - target| of the stored rows; target: 1 less sky and lost.
     pub row_sum_defect: f64,
     /// max over patches of the sum beyond its target; never above 0.
@@ -45,6 +54,8 @@ pub struct Certificate {
     pub receiver_sum_excess: f64,
     /// max over probes of the constant coefficient beyond that of the whole sphere, relative.
     pub probe_sum_excess: f64,
+    /// max over directional rows of the sum of their sizes beyond [`directional::MOST`]; never above 0.
+    pub directional_sum_excess: f64,
     /// The share of all light, under the scene's own emitters and a white sky, that appears or vanishes.
     pub energy_defect: f64,
     /// Area mean of the share of light that is lost on back faces.
@@ -60,8 +71,14 @@ pub struct Certificate {
     pub noise: [f64; 2],
     /// Triangles dropped for having no area or repeated indices.
     pub dropped_triangles: usize,
+    /// What was found to be needed, with bytes counted in this bake; none in files of before anybody looked.
+    pub needs: Option<Needs>,
     pub left_out: Vec<String>,
     pub warnings: Vec<String>,
+}
+
+fn is_zero(count: &usize) -> bool {
+    *count == 0
 }
 
 /// One line of [`Certificate::statements`].
@@ -77,7 +94,7 @@ impl Certificate {
     /// What `check` checks, and what a bake must hold to be loaded. A NaN never holds.
     pub fn statements(&self) -> Vec<Statement> {
         let at_most = |what, value: f64, limit: f64| Statement { what, value, limit, holds: value <= limit };
-        vec![
+        let mut statements = vec![
             at_most("row sums miss their targets by", self.row_sum_defect, 2e-7),
             at_most("row sums exceed their targets by", self.row_sum_excess, 0.0),
             at_most("receivers' row sums exceed 1 by", self.receiver_sum_excess, 0.0),
@@ -86,7 +103,13 @@ impl Certificate {
             at_most("least entry, negated", -self.least_entry, 0.0),
             at_most("share of light that appears or vanishes", self.energy_defect, 1e-4),
             at_most("cavity gain", self.cavity_gain, if self.unlimited_gain { f64::MAX } else { 1.1e4 }),
-        ]
+        ];
+        if self.directional_receivers > 0 {
+            // Stored in 11 bits: as much as rounding adds.
+            let what = "directional terms exceed all light by";
+            statements.push(at_most(what, self.directional_sum_excess, directional::MOST / 2048.0));
+        }
+        statements
     }
 
     pub fn holds(&self) -> bool {

@@ -1,29 +1,28 @@
 //! The light file: the only place that knows its bytes.
 //!
 //! ```text
-//! "HOHLRAUM"   version u32   header length u32   header (JSON: certificate, sections: name, offset, length)
+//! "HOHLRAUM"   version u32   header length u32   header (JSON: certificate, sections: name, offset, length, omissions)
 //! sections, little-endian, each at a multiple of 64        BLAKE3 of everything before it (32 bytes)
 //! ```
+//! What is in it, and in which form: [`sections`](self::sections()). A bake is one file or two ([`pair`]).
 
-use std::borrow::Cow;
+mod pair;
+mod sections;
+
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use bytemuck::Pod;
 use serde::{Deserialize, Serialize};
 
-use super::{Certificate, Depths, Rows, Surface, Transport, packed};
+use super::solved::Source;
+use super::{Certificate, Omission, Transport};
+pub use pair::{belong, full_path, is_whole, load_full, load_full_uncertified, names, path, save_pair};
+pub use sections::arrays;
 
 const MAGIC: &[u8; 8] = b"HOHLRAUM";
-pub const VERSION: u32 = 1;
-/// Only where some probe does not see a neighbour; files of before they were known have none.
-const DEPTH_PROBES: &str = "probe_depths.probes";
-const DEPTHS: &str = "probe_depths";
-
-/// Where a scene's light file is.
-pub fn path(project: &Path, scene: &str) -> PathBuf {
-    crate::scene::file::baked_dir(project, scene).join("light.hohlraum")
-}
+/// 2: what is empty is absent; light that is solved. Files of version 1 are read as they are.
+pub const VERSION: u32 = 2;
+const OLDEST: u32 = 1;
 
 #[derive(Debug, thiserror::Error)]
 pub enum TransportError {
@@ -31,61 +30,21 @@ pub enum TransportError {
     Io { path: PathBuf, source: std::io::Error },
     #[error("{}: {message}; delete it and bake again", path.display())]
     Broken { path: PathBuf, message: String },
+    #[error("{}: it leaves out {left_out}, and {} beside it, which has that, is missing; bake again", path.display(), pair::FULL)]
+    Parted { path: PathBuf, left_out: String },
     #[error("{}: its certificate does not hold: {message}; bake it again (`hohlraum-bake --force`), or play it all the same (`hohlraum-play --force`)", path.display())]
     Uncertified { path: PathBuf, message: String },
-}
-
-/// What is hashed and stored, by name, in this order.
-pub fn arrays(transport: &Transport) -> Vec<(&'static str, Cow<'_, [u8]>)> {
-    fn plain<T: Pod>(items: &[T]) -> Cow<'_, [u8]> {
-        Cow::Borrowed(bytemuck::cast_slice(items))
-    }
-    let surface = &transport.surface;
-    let mut arrays = vec![
-        ("origin", Cow::Owned(bytemuck::bytes_of(&transport.origin.to_array()).to_vec())),
-        ("vertices", plain(&surface.vertices)),
-        ("blends", plain(&surface.blends)),
-        ("back_blends", plain(&surface.back_blends)),
-        ("triangles", plain(&surface.triangles)),
-        ("triangle_patches", plain(&surface.patches)),
-        ("batches", plain(&surface.batches)),
-        ("patches", plain(&transport.patches)),
-        ("samples", plain(&transport.samples)),
-        ("receivers", plain(&transport.receivers)),
-        ("probes", plain(&transport.probes)),
-        ("sky", Cow::Owned(transport.sky_patches.to_le_bytes().to_vec())),
-    ];
-    let rows = [
-        (["patch.starts", "patch.columns", "patch.weights", "patch.packed"], &transport.patch_from_patch),
-        (
-            ["receiver.starts", "receiver.columns", "receiver.weights", "receiver.packed"],
-            &transport.receiver_from_patch,
-        ),
-        (["probe.starts", "probe.columns", "probe.weights", "probe.packed"], &transport.probe_from_patch),
-    ];
-    for ([starts, columns, weights, packed], rows) in rows {
-        arrays.push((starts, plain(&rows.starts)));
-        match packed::pack_all(&rows.columns, &rows.weights) {
-            Some(entries) => {
-                arrays.push((packed, Cow::Owned(bytemuck::cast_slice(&entries).to_vec())));
-            }
-            None => {
-                arrays.push((columns, plain(&rows.columns)));
-                arrays.push((weights, plain(&rows.weights)));
-            }
-        }
-    }
-    if !transport.depths.probes.is_empty() {
-        arrays.push((DEPTH_PROBES, plain(&transport.depths.probes)));
-        arrays.push((DEPTHS, plain(&transport.depths.nearness)));
-    }
-    arrays
 }
 
 #[derive(Serialize, Deserialize)]
 struct Header {
     certificate: Certificate,
     sections: Vec<Section>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    omissions: Vec<Omission>,
+    /// What `solved.0`, `solved.1` .. are responses to; none where there are rows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    solved: Option<Vec<Source>>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -102,7 +61,7 @@ fn aligned(at: u64) -> u64 {
 
 /// Bytes of all arrays, as stored.
 pub fn length(transport: &Transport) -> u64 {
-    arrays(transport).iter().map(|(_, bytes)| aligned(bytes.len() as u64)).sum()
+    sections::stored(transport).iter().map(|(_, bytes)| aligned(bytes.len() as u64)).sum()
 }
 
 /// Atomic: a reader sees the old file or the new one. Returns the file's length.
@@ -111,14 +70,20 @@ pub fn save(path: &Path, transport: &Transport) -> Result<u64, TransportError> {
 }
 
 fn write(path: &Path, transport: &Transport) -> std::io::Result<u64> {
-    let arrays = arrays(transport);
+    let arrays = sections::stored(transport);
     let mut offset = 0;
     let mut sections = Vec::new();
     for (name, bytes) in &arrays {
-        sections.push(Section { name: (*name).to_owned(), offset, length: bytes.len() as u64 });
+        sections.push(Section { name: name.clone(), offset, length: bytes.len() as u64 });
         offset = aligned(offset + bytes.len() as u64);
     }
-    let header = Header { certificate: transport.certificate.clone(), sections };
+    let sources = |solved: &super::Solved| solved.responses.iter().map(|response| response.source).collect();
+    let header = Header {
+        certificate: transport.certificate.clone(),
+        sections,
+        omissions: transport.omissions.clone(),
+        solved: transport.solved.as_ref().map(sources),
+    };
     let json = serde_json::to_vec(&header).map_err(std::io::Error::other)?;
     let folder = path.parent().unwrap_or(Path::new("."));
     std::fs::create_dir_all(folder)?;
@@ -165,6 +130,21 @@ impl<W: Write> Hashing<W> {
 
 /// The certificate alone, without reading the arrays or the checksum.
 pub fn load_certificate(path: &Path) -> Result<Certificate, TransportError> {
+    Ok(header(path)?.certificate)
+}
+
+/// What a file leaves out of the full transport, likewise.
+pub fn load_omissions(path: &Path) -> Result<Vec<Omission>, TransportError> {
+    Ok(header(path)?.omissions)
+}
+
+/// Bytes by section, in the file's order, likewise.
+pub fn sections(path: &Path) -> Result<Vec<(String, u64)>, TransportError> {
+    let sections = header(path)?.sections.into_iter();
+    Ok(sections.map(|section| (section.name, section.length)).collect())
+}
+
+fn header(path: &Path) -> Result<Header, TransportError> {
     use std::io::Read;
     let failed = |source| TransportError::Io { path: path.to_owned(), source };
     let mut file = std::fs::File::open(path).map_err(failed)?;
@@ -179,13 +159,15 @@ pub fn load_certificate(path: &Path) -> Result<Certificate, TransportError> {
     }
     let mut json = vec![0; header as usize];
     file.read_exact(&mut json).map_err(failed)?;
-    let header: Header = serde_json::from_slice(&json).map_err(|error| broken(&error.to_string()))?;
-    Ok(header.certificate)
+    serde_json::from_slice(&json).map_err(|error| broken(&error.to_string()))
 }
 
 /// Checks the checksum, every length and every index before anything is used.
 pub fn load(path: &Path) -> Result<Transport, TransportError> {
-    let transport = load_uncertified(path)?;
+    certified(path, load_uncertified(path)?)
+}
+
+fn certified(path: &Path, transport: Transport) -> Result<Transport, TransportError> {
     match transport.certificate.broken() {
         Some(message) => Err(TransportError::Uncertified { path: path.to_owned(), message }),
         None => Ok(transport),
@@ -210,8 +192,8 @@ fn parse(bytes: &[u8]) -> Result<Transport, String> {
         return Err("is no light file".to_owned());
     }
     let version = word(8)?;
-    if version != VERSION {
-        return Err(format!("is of version {version}; this program reads version {VERSION}"));
+    if !(OLDEST..=VERSION).contains(&version) {
+        return Err(format!("is of version {version}; this program reads {OLDEST} to {VERSION}"));
     }
     let end = bytes.len().checked_sub(32).ok_or("is cut off")?;
     if blake3::hash(&bytes[..end]).as_bytes()[..] != bytes[end..] {
@@ -220,75 +202,10 @@ fn parse(bytes: &[u8]) -> Result<Transport, String> {
     let body = 16 + word(12)? as usize;
     let json = bytes[..end].get(16..body).ok_or("is cut off")?;
     let header: Header = serde_json::from_slice(json).map_err(|error| error.to_string())?;
-    let sections = Sections { bytes: &bytes[..end], base: aligned(body as u64), sections: header.sections };
-    let origin: Vec<f64> = sections.read("origin")?;
-    let sky: Vec<u32> = sections.read("sky")?;
-    Ok(Transport {
-        origin: <[f64; 3]>::try_from(origin).map_err(|_| "has no origin")?.into(),
-        surface: Surface {
-            vertices: sections.read("vertices")?,
-            blends: sections.read("blends")?,
-            back_blends: sections.read("back_blends")?,
-            triangles: sections.read("triangles")?,
-            patches: sections.read("triangle_patches")?,
-            batches: sections.read("batches")?,
-        },
-        patches: sections.read("patches")?,
-        samples: sections.read("samples")?,
-        receivers: sections.read("receivers")?,
-        probes: sections.read("probes")?,
-        depths: Depths {
-            probes: sections.read_where_there(DEPTH_PROBES)?,
-            nearness: sections.read_where_there(DEPTHS)?,
-        },
-        sky_patches: *sky.first().ok_or("has no sky")?,
-        patch_from_patch: sections.rows("patch")?,
-        receiver_from_patch: sections.rows("receiver")?,
-        probe_from_patch: sections.rows("probe")?,
-        certificate: header.certificate,
-    })
-}
-
-struct Sections<'a> {
-    bytes: &'a [u8],
-    base: u64,
-    sections: Vec<Section>,
-}
-
-impl Sections<'_> {
-    fn read<T: Pod>(&self, name: &str) -> Result<Vec<T>, String> {
-        let section = self.sections.iter().find(|section| section.name == name);
-        let section = section.ok_or_else(|| format!("has no section `{name}`"))?;
-        let range = self
-            .base
-            .checked_add(section.offset)
-            .and_then(|first| Some(first as usize..first.checked_add(section.length)? as usize));
-        let bytes = range.and_then(|range| self.bytes.get(range));
-        let bytes = bytes.ok_or_else(|| format!("section `{name}` reaches past its end"))?;
-        if bytes.len() % size_of::<T>() != 0 {
-            return Err(format!("section `{name}` has {} bytes", bytes.len()));
-        }
-        Ok(bytemuck::pod_collect_to_vec(bytes))
-    }
-
-    fn read_where_there<T: Pod>(&self, name: &str) -> Result<Vec<T>, String> {
-        let is_there = self.sections.iter().any(|section| section.name == name);
-        if is_there { self.read(name) } else { Ok(Vec::new()) }
-    }
-
-    fn rows(&self, name: &str) -> Result<Rows, String> {
-        let packed = format!("{name}.packed");
-        if self.sections.iter().any(|section| section.name == packed) {
-            let entries: Vec<u32> = self.read(&packed)?;
-            let (columns, weights) = entries.into_iter().map(packed::unpack).unzip();
-            return Ok(Rows { starts: self.read(&format!("{name}.starts"))?, columns, weights });
-        }
-        Ok(Rows {
-            starts: self.read(&format!("{name}.starts"))?,
-            columns: self.read(&format!("{name}.columns"))?,
-            weights: self.read(&format!("{name}.weights"))?,
-        })
-    }
+    let sections =
+        sections::Sections { bytes: &bytes[..end], base: aligned(body as u64), sections: header.sections };
+    let transport = sections.transport(header.solved.as_deref())?;
+    Ok(Transport { certificate: header.certificate, omissions: header.omissions, ..transport })
 }
 
 #[cfg(test)]
@@ -320,5 +237,93 @@ mod tests {
             length
         });
         assert!(lengths[0] + 4 * 4000 < lengths[1] + 256, "{lengths:?}");
+    }
+
+    /// Everything but what is hashed comes back by comparison, the rest by its hash.
+    fn assert_comes_back(transport: &Transport) -> Vec<(String, u64)> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("light");
+        save(&path, transport).unwrap();
+        let loaded = load_uncertified(&path).unwrap();
+        assert_eq!(loaded.hash(), transport.hash());
+        assert_eq!(loaded.solved, transport.solved);
+        assert_eq!(loaded.omissions, transport.omissions);
+        sections(&path).unwrap()
+    }
+
+    fn names(sections: &[(String, u64)]) -> Vec<&str> {
+        sections.iter().map(|section| section.0.as_str()).collect()
+    }
+
+    #[test]
+    fn what_is_empty_is_absent() {
+        let sections = assert_comes_back(&transport(0.02));
+        let absent =
+            ["sky", "probes", "probe.starts", "probe.packed", "back_blends", "samples", "probe_depths"];
+        assert!(absent.iter().all(|absent| !names(&sections).contains(absent)), "{sections:?}");
+        assert!(sections.iter().all(|section| section.1 > 0), "{sections:?}");
+        let nothing = names(&assert_comes_back(&Transport::default())).join(" ");
+        assert_eq!(nothing, "origin");
+    }
+
+    #[test]
+    fn nearly_full_rows_are_weights_alone_and_come_back_to_the_last_bit() {
+        let mut transport = transport(0.02);
+        for full in [40, 25, 15] {
+            let mut rows = crate::transport::Rows::default();
+            (0..40).for_each(|i| rows.push((0..full).map(|j| (j, 0.01 + 1e-5 * (i * 40 + j) as f32))));
+            (transport.patch_from_patch, transport.dense) = (rows, true);
+            let sections = assert_comes_back(&transport);
+            let is_dense = names(&sections).contains(&"patch.dense");
+            assert_eq!(is_dense, full > 20, "{full} of 40: {sections:?}");
+            transport.dense = false;
+            assert!(names(&assert_comes_back(&transport)).contains(&"patch.weights"));
+        }
+    }
+
+    #[test]
+    fn solved_light_stands_in_place_of_rows_and_grey_takes_one_channel() {
+        use crate::transport::solved::{Response, Solved, Source, Spread};
+        let mut transport = transport(0.02);
+        let rows = crate::transport::Rows::default;
+        (transport.patch_from_patch, transport.receiver_from_patch) = (rows(), rows());
+        let grey = Spread { radiosity: vec![glam::Vec3::splat(0.3); 40], ..Spread::default() };
+        let blue = vec![glam::Vec3::new(0.1, 0.2, 0.7); 100];
+        let blue = Spread { receivers: [Vec::new(), blue], ..Spread::default() };
+        let response = |source, spread| Response { source, spread };
+        let responses = vec![response(Source::Never, grey), response(Source::Sky, blue)];
+        transport.solved = Some(Solved { responses });
+        transport.omissions =
+            vec![Omission { feature: crate::scene::Feature::Matrix, relied_on: "all of it".to_owned() }];
+        let sections = assert_comes_back(&transport);
+        let light: Vec<_> = sections.iter().filter(|section| section.0.starts_with("solved")).collect();
+        let told =
+            [("solved.0.radiosity.grey".to_owned(), 160), ("solved.1.receivers.bounced".to_owned(), 1200)];
+        assert_eq!(light, told.iter().collect::<Vec<_>>());
+        transport.solved = None;
+        assert!(transport.validate().is_err(), "rows are missing, and nothing stands for them");
+    }
+
+    #[test]
+    fn directional_rows_come_back_and_without_them_there_is_no_section() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("light");
+        let has_section = || {
+            let bytes = std::fs::read(&path).unwrap();
+            bytes.windows(b"directional.".len()).any(|word| word == b"directional.")
+        };
+        let mut transport = transport(1.0 / 64.0);
+        save(&path, &transport).unwrap();
+        let without = transport.hash();
+        assert!(!has_section() && load(&path).unwrap().directional_from_patch.is_empty());
+        (0..6).for_each(|k| transport.directional_from_patch.push([(k, 0.25), (9, -0.5)]));
+        save(&path, &transport).unwrap();
+        let loaded = load(&path).unwrap();
+        assert!(has_section() && loaded.directional_from_patch == transport.directional_from_patch);
+        assert_eq!((loaded.directional_receivers(), loaded.hash()), (2, transport.hash()));
+        assert_ne!(transport.hash(), without, "the transport hash covers them");
+        transport.directional_from_patch.push([(0, 0.25)]);
+        save(&path, &transport).unwrap();
+        assert!(load(&path).unwrap_err().to_string().contains("directional rows"));
     }
 }

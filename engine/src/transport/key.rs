@@ -1,16 +1,19 @@
-//! What a bake depends on: geometry, density, holes, probes and how it is baked, each part with a key of its own,
+//! What a bake depends on: geometry, density, holes, probes where something reads them, and how it is baked, each part with a key of its own,
 //! and one key of all. Lights, colours, emission and the sky's brightness are not in them: they change without a
 //! bake.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use glam::DAffine3;
 use serde::{Deserialize, Serialize};
 
+use super::directional::any_directional;
+use super::needs::as_baked;
 use crate::scene::assets::{Assets, Picture, Pixels};
 use crate::scene::file::Quality;
 use crate::scene::{
-    Alpha, Entity, EntityId, ImageSource, Mesh, MeshRenderer, MeshSource, Scene, SkyKind, world_from_local,
+    Alpha, Entity, EntityId, Feature, Forced, ImageSource, Mesh, MeshRenderer, MeshSource, Scene, SkyKind,
+    world_from_local,
 };
 
 /// How a scene is baked, settled.
@@ -26,6 +29,8 @@ pub struct BakeWith {
 /// Counts up whenever the same input bakes to other bytes. 5: cuts along what stands a
 /// little off; weights of receivers and probes that four bytes hold; origins at halves of the grid.
 const METHOD: u32 = 5;
+/// Likewise for scenes with normal maps on static surfaces, and for no others.
+const DIRECTIONAL_METHOD: u32 = 1;
 
 /// One thing that a bake was made of.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -52,10 +57,19 @@ pub enum What {
     Probes,
 }
 
-/// All that a bake of the scene depends on. What the assets do not have counts as absent.
-pub fn inputs(scene: &Scene, assets: &Assets, with: &BakeWith) -> Vec<Input> {
+/// All that a bake of the scene depends on, of what it needs. What the assets do not have counts as absent.
+pub fn inputs(
+    scene: &Scene,
+    assets: &Assets,
+    with: &BakeWith,
+    forced: &BTreeMap<Feature, Forced>,
+) -> Vec<Input> {
+    let scene = &as_baked(scene, assets, forced);
     let mut contents = Contents { assets, meshes: HashMap::new(), pictures: HashMap::new() };
-    let method = format!("{:?}", (METHOD, with.rays, with.length.to_bits()));
+    let mut method = format!("{:?}", (METHOD, with.rays, with.length.to_bits()));
+    if any_directional(scene) {
+        method += &format!("{DIRECTIONAL_METHOD}");
+    }
     let mut inputs = vec![
         general(What::Method, "how it is baked", &method),
         general(What::Sky, "the sky", &format!("{}", scene.sky.kind != SkyKind::None)),
@@ -150,7 +164,7 @@ fn of_mesh(mesh: &Mesh) -> String {
     ])
 }
 
-fn of_picture(picture: &Picture) -> String {
+pub(super) fn of_picture(picture: &Picture) -> String {
     let pixels = match &picture.pixels {
         Pixels::Rgba8(pixels) => bytemuck::cast_slice(pixels),
         Pixels::Rgb32f(pixels) => bytemuck::cast_slice(pixels),

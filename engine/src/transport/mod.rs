@@ -7,6 +7,7 @@
 //! B = E + rho * (P B)     patch_from_patch       radiosity leaving patches [W/m2]
 //! H = G B                 receiver_from_patch    irradiance arriving at receivers [W/m2]
 //! L = Q B                 probe_from_patch       SH coefficients of incoming radiance [W/m2/sr]
+//! V = D B                 directional_from_patch what tilts H towards a normal map's normals [W/m2]
 //! ```
 //! with E_i = M_i + rho_i H_dir,i: M the emitted exitance, H_dir the irradiance from punctual lights, rho the
 //! albedo. P_ij is the share of light from patch i's surface that arrives at patch j,
@@ -23,9 +24,11 @@ pub mod certificate;
 pub mod depths;
 pub mod dering;
 pub mod direct;
+pub mod directional;
 pub mod file;
 pub mod key;
 pub mod materials;
+pub mod needs;
 pub mod occluders;
 pub mod packed;
 pub mod probe_field;
@@ -35,6 +38,7 @@ pub mod sh;
 pub mod sky;
 pub mod solid_angle;
 pub mod solve;
+pub mod solved;
 pub mod stale;
 pub mod steering;
 pub mod surface;
@@ -44,12 +48,14 @@ mod validate;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
+use serde::{Deserialize, Serialize};
 
-use crate::scene::EntityId;
+use crate::scene::{EntityId, Feature};
 pub use certificate::Certificate;
 pub use depths::Depths;
 pub use occluders::Occluders;
 pub use rows::Rows;
+pub use solved::Solved;
 pub use surface::{Batch, Surface, Vertex};
 pub use tree::Tree;
 
@@ -72,7 +78,8 @@ pub struct Transport {
     pub probes: Vec<Probe>,
     /// How far probes beside walls see; empty where every probe sees its neighbours.
     pub depths: Depths,
-    /// How many sky patches follow the patches in the columns of every kind of row; 0 without a sky.
+    /// How many sky patches follow the patches in the columns of every kind of row; 0 without a sky. A sky that is
+    /// the same everywhere may have one, or two that share its weights ([`sky::is_division`]).
     pub sky_patches: u32,
     /// Columns: patches, then sky patches. Sums to 1 less what is lost.
     pub patch_from_patch: Rows,
@@ -81,7 +88,25 @@ pub struct Transport {
     /// Nine rows a probe, (0,0), (1,-1) .. (2,2), columns as above; takes radiosity (sky: pi * radiance) to
     /// SH coefficients of incoming radiance, 1/pi included.
     pub probe_from_patch: Rows,
+    /// Three rows for each of the first receivers, those that surfaces with a normal map blend: [`directional`].
+    /// Columns as above. Empty where no static surface has one.
+    pub directional_from_patch: Rows,
+    /// Patch rows are nearly full: the file has their weights alone, row after row, and so may the GPU.
+    pub dense: bool,
+    /// The light itself, where it was solved at the bake: there are no rows then, and no samples.
+    pub solved: Option<Solved>,
+    /// What the full transport has and this one has not; empty where this is the full one. The certificate is that of
+    /// the full one.
+    pub omissions: Vec<Omission>,
     pub certificate: Certificate,
+}
+
+/// A feature that a player's file was made without.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Omission {
+    pub feature: Feature,
+    /// Hash of all in the scene that leaving it out relied on: where that changes, the light is no longer the scene's.
+    pub relied_on: String,
 }
 
 /// A piece of surface that holds one radiosity.
@@ -200,15 +225,23 @@ impl Transport {
         }
         self.depths.validate(self.probes.len())?;
         validate::numbers(self)?;
+        // Light that is solved needs no rows.
+        let has = |count: usize| if self.solved.is_some() { 0 } else { count };
         let rows = [
-            ("patch", &self.patch_from_patch, patches, true),
-            ("receiver", &self.receiver_from_patch, self.receivers.len(), true),
-            ("probe", &self.probe_from_patch, self.probes.len() * 9, false),
+            ("patch", &self.patch_from_patch, has(patches), true),
+            ("receiver", &self.receiver_from_patch, has(self.receivers.len()), true),
+            ("probe", &self.probe_from_patch, has(self.probes.len() * 9), false),
+            (
+                "directional",
+                &self.directional_from_patch,
+                has(self.directional_receivers() * directional::AXES),
+                false,
+            ),
         ];
         for (what, rows, count, shares) in rows {
             rows.validate(count, self.columns(), shares).map_err(|error| format!("{what} rows: {error}"))?;
         }
-        Ok(())
+        self.solved.as_ref().map_or(Ok(()), |solved| solved.validate(self))
     }
 
     /// The transport hash: BLAKE3 of the arrays alone.

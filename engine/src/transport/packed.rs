@@ -47,6 +47,18 @@ fn floor(size: f32) -> f32 {
     if size < LEAST_NORMAL { (size / LEAST).floor() * LEAST } else { f32::from_bits(size.to_bits() & !BELOW) }
 }
 
+/// Two weights that four bytes hold each, whose sum is `weight` to 22 bits and not beyond it.
+pub fn split(weight: f64) -> [f32; 2] {
+    let held = |weight: f64| {
+        let exact = weight.abs() * f64::from(SCALE);
+        let near = exact as f32;
+        let size = if f64::from(near) > exact { near.next_down() } else { near };
+        (floor(size.min(BEYOND.next_down())) / SCALE).copysign(weight as f32)
+    };
+    let high = held(weight);
+    [high, held(weight - f64::from(high))]
+}
+
 /// The weight itself, or its two neighbours that four bytes hold, the lower one first.
 fn around(weight: f32) -> [f32; 2] {
     let size = weight.abs() * SCALE;
@@ -106,6 +118,19 @@ mod tests {
             assert_eq!(pack(column, weight), Some(half << 16 | 77), "{weight}");
         }
         assert_eq!(unpack(pack(9, 0.5).unwrap()), (9, 0.5));
+    }
+
+    #[test]
+    fn two_halves_hold_what_one_does_not() {
+        for weight in [1.0 / 3.0, 1.0, -0.7, 1e-3, 1e-6, 0.0, -1.234_567_8e-2] {
+            let halves = split(weight);
+            assert!(halves.iter().all(|&half| pack(0, half).is_some()), "{weight}: {halves:?}");
+            let sum = f64::from(halves[0]) + f64::from(halves[1]);
+            assert!(
+                sum.abs() <= weight.abs() && (weight - sum).abs() <= 3e-7 * weight.abs() + 2e-12,
+                "{weight}: {sum}"
+            );
+        }
     }
 
     #[test]

@@ -14,6 +14,16 @@ pub const CELLS: u32 = 32;
 /// Sky patches where there is a sky.
 pub const COUNT: u32 = BANDS * CELLS;
 
+/// Of a sky that is the same everywhere, all columns of a row are one. Two where entries take four bytes each: the
+/// second holds what the first one's eleven bits lack.
+pub const FEWEST: u32 = 1;
+pub const FEWEST_PACKED: u32 = 2;
+
+/// Is it how many sky patches a transport may have?
+pub fn is_division(sky_patches: u32) -> bool {
+    [0, FEWEST, FEWEST_PACKED, COUNT].contains(&sky_patches)
+}
+
 /// The sky patch that a unit direction points to.
 pub fn patch_of(direction: Vec3) -> u32 {
     let band = ((direction.y * 0.5 + 0.5) * BANDS as f32) as u32;
@@ -31,7 +41,8 @@ pub fn direction_in(patch: u32, u: f32, v: f32) -> Vec3 {
     Vec3::new(r * cos, y, r * sin)
 }
 
-/// Mean radiance of each sky patch [W/m2/sr].
+/// Mean radiance of each sky patch [W/m2/sr]. The first ones do for a transport that has fewer, of a sky that is the
+/// same everywhere.
 pub fn radiance_of_patches(sky: &Sky, assets: &Assets) -> Vec<Vec3> {
     const GRID: u32 = 8;
     (0..COUNT)

@@ -18,18 +18,22 @@ pub struct Stale {
 }
 
 impl Stale {
-    /// Between the inputs of a bake and those of the scene as it is now ([`super::key::inputs`]).
+    /// Between the inputs of a bake and those of the scene as it is now ([`super::key::inputs`]). Light probes that
+    /// nothing reads any more are no difference: a bake that has more than its scene needs fits it.
     pub fn between(baked: &[Input], now: &[Input]) -> Self {
         fn by_place(inputs: &[Input]) -> HashMap<(What, EntityId), &Input> {
             inputs.iter().map(|input| ((input.what, input.entity), input)).collect()
         }
         let (was, is) = (by_place(baked), by_place(now));
         let place = |input: &Input| (input.what, input.entity);
+        let reads_probes = now.iter().any(|input| input.what == What::Probes);
+        let is_missed =
+            |input: &&Input| !is.contains_key(&place(input)) && (input.what != What::Probes || reads_probes);
         let changed = |input: &&Input| was.get(&place(input)).is_some_and(|was| was.key != input.key);
         Self {
             changed: now.iter().filter(changed).cloned().collect(),
             new: now.iter().filter(|input| !was.contains_key(&place(input))).cloned().collect(),
-            gone: baked.iter().filter(|input| !is.contains_key(&place(input))).cloned().collect(),
+            gone: baked.iter().filter(is_missed).cloned().collect(),
         }
     }
 
@@ -107,6 +111,16 @@ mod tests {
         let many: Vec<Input> = (0..8).map(|entity| surface(entity, "a")).collect();
         let told = Stale::between(&[], &many).to_string();
         assert_eq!(told, "new `e0`, `e1`, `e2`, `e3`, `e4` and 3 more");
+    }
+
+    #[test]
+    fn probes_that_nothing_reads_any_more_are_no_difference_and_new_ones_are() {
+        let wall = input(What::Surface, 1, "a");
+        let with = [wall.clone(), input(What::Probes, 2, "p"), input(What::Probes, 3, "p")];
+        assert!(Stale::between(&with, std::slice::from_ref(&wall)).is_empty());
+        assert_eq!(Stale::between(&with, &with[..2]).to_string(), "gone the light probes of `e3`");
+        let told = Stale::between(&[wall], &with).to_string();
+        assert_eq!(told, "new the light probes of `e2`, the light probes of `e3`");
     }
 
     #[test]

@@ -9,11 +9,13 @@ use super::{NONE, Transport, sky};
 const FARTHEST: f32 = 1.1e9;
 /// Of a light-probe row: 4 / R times the harmonics of R directions, and what emitters add.
 const LARGEST_WEIGHT: f32 = 64.0;
+/// Of a directional row.
+const LARGEST_TERM: f32 = 2.0;
 
 pub fn numbers(transport: &Transport) -> Result<(), String> {
     let says = |holds: bool, message: &str| if holds { Ok(()) } else { Err(message.to_owned()) };
     says(transport.origin.is_finite(), "its origin is no place")?;
-    says([0, sky::COUNT].contains(&transport.sky_patches), "it has a sky of another division")?;
+    says(sky::is_division(transport.sky_patches), "it has a sky of another division")?;
 
     let n = transport.patches.len() as u32;
     for (i, patch) in transport.patches.iter().enumerate() {
@@ -49,7 +51,14 @@ pub fn numbers(transport: &Transport) -> Result<(), String> {
     let is_probe = |probe: &super::Probe| is_place(probe.position) && probe.valid.is_finite();
     says(transport.probes.iter().all(is_probe), "a light probe has no proper place")?;
     let weights = &transport.probe_from_patch.weights;
-    says(weights.iter().all(|weight| weight.abs() <= LARGEST_WEIGHT), "a light probe sees more than there is")
+    says(
+        weights.iter().all(|weight| weight.abs() <= LARGEST_WEIGHT),
+        "a light probe sees more than there is",
+    )?;
+    let terms = &transport.directional_from_patch.weights;
+    says(terms.iter().all(|term| term.abs() <= LARGEST_TERM), "a directional term is more than there is")?;
+    let is_known = transport.directional_receivers() <= transport.receivers.len();
+    says(is_known, "directional terms are of receivers that do not exist")
 }
 
 fn is_place(position: Vec3) -> bool {

@@ -117,7 +117,7 @@ pub fn project(scene: &Scene, bake: Option<&Transport>) -> tempfile::TempDir {
         transport.certificate.rays_per_row = with.rays;
         transport.certificate.base_length = with.length;
         let (assets, _) = load_assets(folder.path(), scene).unwrap();
-        transport.certificate.inputs = inputs(scene, &assets, &with);
+        transport.certificate.inputs = inputs(scene, &assets, &with, &Project::default().features);
         transport.certificate.key = transport_key(&transport.certificate.inputs);
         file::save(&file::path(folder.path(), "main"), &transport).unwrap();
     }

@@ -268,7 +268,8 @@ fn taking_out_what_no_light_reaches_leaves_the_rest_as_it_is() {
         rays: certificate.rays_per_row,
         length: certificate.base_length,
     };
-    let stale = Stale::between(&certificate.inputs, &inputs(&scene, &whole.assets, &with));
+    let stale =
+        Stale::between(&certificate.inputs, &inputs(&scene, &whole.assets, &with, &Default::default()));
     assert_eq!(stale.gone.len(), 6, "{stale}");
     let mut transport = whole.transport.clone();
     transport.leave_out(&stale);

@@ -23,7 +23,9 @@ pub struct Preset {
 
 /// Rays of the lines; patch lengths are the presets' and those between.
 const RAYS: [u32; 4] = [64, 256, 1024, 4096];
-/// At most so much of what is left goes into one preset's first bake.
+/// With which every patch length is baked before anything is refined.
+const FEW_RAYS: u32 = 256;
+/// At most so much of what is left goes into one bake that refines.
 const LARGE: f64 = 0.5;
 /// Runs of a preset's bake, where there is time.
 const RUNS: usize = 3;
@@ -39,7 +41,8 @@ pub fn presets(opened: &Opened) -> Result<Vec<Preset>, BakeError> {
     [Quality::Draft, Quality::Standard, Quality::Fine].into_iter().map(of).collect()
 }
 
-/// Bakes what the budget allows: presets first, then the lines, cheap points before dear ones, then presets again.
+/// Bakes what the budget allows, first what every diagram needs: the presets, the shipped length with all rays, all
+/// lengths with few; then the presets again, for a median of three; then what refines the lines, cheap points first.
 pub fn bake_all(
     bakes: &mut Bakes,
     presets: &[Preset],
@@ -48,23 +51,29 @@ pub fn bake_all(
     budget: &Budget,
     watcher: &dyn Watcher,
 ) -> Result<(), BakeError> {
-    let mut recipes = wanted(presets, shipped);
-    recipes.retain(|recipe| recipe.rays <= most_rays);
-    watcher.stage("bakes", recipes.len() as u64);
+    let Wanted { mut least, mut finer } = wanted(presets, shipped);
+    [&mut least, &mut finer]
+        .into_iter()
+        .for_each(|recipes| recipes.retain(|recipe| recipe.rays <= most_rays));
+    watcher.stage("bakes", (least.len() + presets.len() * (RUNS - 1) + finer.len()) as u64);
     let mut left_out = Vec::new();
-    for recipe in recipes {
-        let is_preset = presets.iter().any(|preset| preset.recipe == recipe);
-        let part = if is_preset { *budget } else { budget.part(LARGE) };
-        if !bakes.make(recipe, &part, watcher)? {
+    for recipe in least {
+        if !bakes.make(recipe, budget, watcher)? {
             left_out.push(format!("{recipe} ({:.0} s)", bakes.expected(recipe)));
         }
         watcher.advance(1, 0);
     }
-    let mut again: Vec<Recipe> = presets.iter().map(|preset| preset.recipe).collect();
-    again.dedup();
-    again.retain(|&recipe| bakes.of(recipe).is_some());
-    for &recipe in again.iter().cycle().take(again.len() * (RUNS - 1)) {
-        bakes.make(recipe, budget, watcher)?;
+    for preset in presets.iter().flat_map(|preset| [preset; RUNS - 1]) {
+        if bakes.of(preset.recipe).is_some_and(|made| made.seconds.len() < RUNS) {
+            bakes.make(preset.recipe, budget, watcher)?;
+        }
+        watcher.advance(1, 0);
+    }
+    for recipe in finer {
+        if !bakes.make(recipe, &budget.part(LARGE), watcher)? {
+            left_out.push(format!("{recipe} ({:.0} s)", bakes.expected(recipe)));
+        }
+        watcher.advance(1, 0);
     }
     if !left_out.is_empty() {
         bakes.notes.push(format!("bakes that the budget had no time for: {}", left_out.join(", ")));
@@ -72,8 +81,14 @@ pub fn bake_all(
     Ok(())
 }
 
-/// The cheapest of the lines to begin with, for nothing is known of time before; then presets; then the rest.
-fn wanted(presets: &[Preset], shipped: Recipe) -> Vec<Recipe> {
+/// In the order of their turns.
+struct Wanted {
+    least: Vec<Recipe>,
+    finer: Vec<Recipe>,
+}
+
+/// The cheapest of the lines to begin with, for nothing is known of time before.
+fn wanted(presets: &[Preset], shipped: Recipe) -> Wanted {
     let mut lengths: Vec<f64> = presets.iter().map(|preset| preset.recipe.length).collect();
     lengths.sort_by(|a, b| b.total_cmp(a));
     lengths.dedup();
@@ -89,13 +104,16 @@ fn wanted(presets: &[Preset], shipped: Recipe) -> Vec<Recipe> {
     lines.sort_by(|a, b| a.work().total_cmp(&b.work()));
     let first = lines.first().copied();
     let presets = presets.iter().map(|preset| preset.recipe);
-    let mut wanted: Vec<Recipe> = Vec::new();
-    for recipe in first.into_iter().chain(presets).chain([shipped]).chain(lines) {
-        if !wanted.contains(&recipe) {
-            wanted.push(recipe);
+    let is_least = |recipe: &Recipe| recipe.length == shipped.length || recipe.rays == FEW_RAYS;
+    let (of_all, finer): (Vec<Recipe>, Vec<Recipe>) = lines.into_iter().partition(is_least);
+    let mut least: Vec<Recipe> = Vec::new();
+    for recipe in first.into_iter().chain(presets).chain([shipped]).chain(of_all) {
+        if !least.contains(&recipe) {
+            least.push(recipe);
         }
     }
-    wanted
+    let finer = finer.into_iter().filter(|recipe| !least.contains(recipe)).collect();
+    Wanted { least, finer }
 }
 
 /// What the bakes say: all of it, form factors, patches.
@@ -106,7 +124,10 @@ pub fn diagrams(
     exactly: Option<&Exactly>,
     truth: &Truth,
 ) -> Vec<Diagram> {
-    let mut diagrams = vec![total(bakes, presets, truth), patches(bakes, presets, shipped, exactly, truth)];
+    let mut diagrams = vec![
+        total(bakes, presets, shipped, exactly, truth),
+        patches(bakes, presets, shipped, exactly, truth),
+    ];
     if let Some(exactly) = exactly {
         diagrams.push(form_factors(bakes, presets, shipped, exactly));
         diagrams.push(matrices(bakes, presets, shipped, exactly));
@@ -116,7 +137,13 @@ pub fn diagrams(
 }
 
 /// All of the error, against the path tracer.
-fn total(bakes: &Bakes, presets: &[Preset], truth: &Truth) -> Diagram {
+fn total(
+    bakes: &Bakes,
+    presets: &[Preset],
+    shipped: Recipe,
+    exactly: Option<&Exactly>,
+    truth: &Truth,
+) -> Diagram {
     let mut lengths: Vec<f64> = bakes.made.iter().map(|made| made.recipe.length).collect();
     lengths.sort_by(|a, b| b.total_cmp(a));
     lengths.dedup();
@@ -124,8 +151,10 @@ fn total(bakes: &Bakes, presets: &[Preset], truth: &Truth) -> Diagram {
         let of_length =
             sorted(bakes, |made| made.recipe.length == length, |made| f64::from(made.recipe.rays));
         let patches = of_length.first().map_or(0, |made| made.patches);
-        let points = of_length.into_iter().map(|made| point(made, presets, &truth.field));
-        Series { name: format!("{patches} patches of {}", metres(length)), points: points.collect() }
+        let exactly = exactly.filter(|_| length == shipped.length);
+        let floor = floor_of_patches(&of_length, exactly, truth);
+        let points = of_length.into_iter().map(|made| point(made, presets, &truth.field)).collect();
+        Series { name: format!("{patches} patches of {}", metres(length)), points, floor }
     };
     Diagram {
         id: "bake".to_owned(),
@@ -142,6 +171,39 @@ fn total(bakes: &Bakes, presets: &[Preset], truth: &Truth) -> Diagram {
     }
 }
 
+/// What patches of one length are off by with any number of rays, and no less than the reference: by the matrix
+/// reference, or else what the errors of these bakes tend to.
+fn floor_of_patches(made: &[&Made], exactly: Option<&Exactly>, truth: &Truth) -> Option<Floor> {
+    let (name, y) = match exactly {
+        Some(exactly) => {
+            let y = error(&exactly.at_receivers, &truth.field).rms;
+            ("patches of this length, by the matrix reference", y)
+        }
+        None => {
+            let points =
+                made.iter().map(|made| [f64::from(made.recipe.rays), error(&made.shown, &truth.field).rms]);
+            ("what more rays tend to, fitted", tends_to(&points.collect::<Vec<_>>())?)
+        }
+    };
+    Some(Floor { name: name.to_owned(), y: y.max(truth.standard_error) })
+}
+
+/// e^2 ~ f^2 + c / R: noise of R rays on top of what they do not change. Least squares of the relative misfit over points
+/// [R, e]; returns f, None of fewer than two points.
+fn tends_to(points: &[[f64; 2]]) -> Option<f64> {
+    let known: Vec<[f64; 2]> = points
+        .iter()
+        .filter(|[_, e]| *e > 0.0)
+        .map(|[rays, e]| [1.0 / (e * e), 1.0 / (rays * e * e)])
+        .collect();
+    let sum = |of: &dyn Fn(&[f64; 2]) -> f64| known.iter().map(of).sum::<f64>();
+    let (aa, ab, bb) = (sum(&|x| x[0] * x[0]), sum(&|x| x[0] * x[1]), sum(&|x| x[1] * x[1]));
+    let (a, b) = (sum(&|x| x[0]), sum(&|x| x[1]));
+    let determinant = aa * bb - ab * ab;
+    let is_determined = known.len() > 1 && determinant > 1e-12 * aa * bb;
+    is_determined.then(|| ((a * bb - b * ab) / determinant).max(0.0).sqrt())
+}
+
 /// Bakes of the shipped length against the same patches with many more rays.
 fn form_factors(bakes: &Bakes, presets: &[Preset], shipped: Recipe, exactly: &Exactly) -> Diagram {
     let of_length =
@@ -155,14 +217,15 @@ fn form_factors(bakes: &Bakes, presets: &[Preset], shipped: Recipe, exactly: &Ex
         title: "Bake time and the error of form factors".to_owned(),
         about: format!(
             "What do more rays bring? Clean bakes with patches of {}, against the matrix reference on the same patches \
-             with {} rays a row, all of them others; both under the same direct light, solved exactly and seen at the same receivers.",
+             with {} rays a row, all of them others; both under the same direct light, solved exactly and seen at the same receivers. Where the cavity gain is large, most of it \
+             is one number, how bright the room is as a whole, and a single bake may be lucky.",
             metres(shipped.length),
             exactly.rays
         ),
         x: seconds(),
         y: irradiance(),
         norm: Norm::Rms,
-        series: vec![Series { name: "rays of a row".to_owned(), points: points.collect() }],
+        series: vec![Series::new("rays of a row", points.collect())],
         floors: vec![Floor { name: "error of the matrix reference".to_owned(), y: exactly.standard_error }],
     }
 }
@@ -186,7 +249,7 @@ fn matrices(bakes: &Bakes, presets: &[Preset], shipped: Recipe, exactly: &Exactl
         x: seconds(),
         y: Axis { label: "error of the matrix, relative".to_owned(), unit: String::new() },
         norm: Norm::Rms,
-        series: vec![Series { name: "rays of a row".to_owned(), points: points.collect() }],
+        series: vec![Series::new("rays of a row", points.collect())],
         floors: vec![Floor {
             name: "error of the matrix reference".to_owned(),
             y: exactly.floor_of_factors(),
@@ -224,7 +287,7 @@ fn patches(
         x: seconds(),
         y: irradiance(),
         norm: Norm::Rms,
-        series: vec![Series { name: format!("patch length at {rays} rays"), points: points.collect() }],
+        series: vec![Series::new(format!("patch length at {rays} rays"), points.collect())],
         floors,
     }
 }
@@ -273,4 +336,32 @@ fn seconds() -> Axis {
 
 pub fn irradiance() -> Axis {
     Axis { label: "error of irradiance, rms over mean".to_owned(), unit: String::new() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_more_rays_tend_to_is_found_below_the_noise() {
+        let e = |rays: f64| (0.01_f64.powi(2) + 0.04 / rays).sqrt();
+        let points = |rays: &[f64]| rays.iter().map(|&rays| [rays, e(rays)]).collect::<Vec<_>>();
+        for rays in [&[64.0, 256.0][..], &[64.0, 256.0, 1024.0], &[16.0, 4096.0, 64.0]] {
+            assert!((tends_to(&points(rays)).unwrap() - 0.01).abs() < 1e-9, "{rays:?}");
+        }
+        assert_eq!(tends_to(&points(&[64.0])), None);
+        // Errors that fall faster than noise does tend to nothing.
+        assert_eq!(tends_to(&[[64.0, 1.0], [256.0, 0.3]]), Some(0.0));
+    }
+
+    #[test]
+    fn what_every_diagram_needs_is_baked_before_what_refines_it() {
+        let preset = |quality, length, rays| Preset { quality, recipe: Recipe { length, rays } };
+        let presets = [preset(Quality::Draft, 1.0, 512), preset(Quality::Standard, 0.5, 1024)];
+        let Wanted { least, finer } = wanted(&presets, presets[1].recipe);
+        assert_eq!(least[0], Recipe { length: 1.0, rays: 64 });
+        assert_eq!(least[1..3], presets.map(|preset| preset.recipe));
+        assert!(RAYS.iter().all(|&rays| least.contains(&Recipe { length: 0.5, rays })));
+        assert!(finer.iter().all(|recipe| !least.contains(recipe)) && !finer.is_empty());
+    }
 }

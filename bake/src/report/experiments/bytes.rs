@@ -16,9 +16,9 @@ use crate::report::model::{Axis, Diagram, Error, Floor, Norm, Point, Series};
 use crate::{BakeError, Watcher};
 
 const WEIGHTS: [Kept; 3] = [Kept::U8, Kept::F16, Kept::F32];
-const LARGEST: [Kept; 4] = [Kept::Largest(32), Kept::Largest(64), Kept::Largest(128), Kept::Largest(256)];
+const LARGEST: [Kept; 4] = [Kept::Largest(64), Kept::Largest(256), Kept::Largest(1024), Kept::Largest(4096)];
 /// Tolerances of cut rows, in what one ray carries: from coarse to fine.
-const IN_RAYS: [f64; 5] = [8.0, 4.0, 2.0, 1.0, 0.5];
+const IN_RAYS: [f64; 6] = [8.0, 4.0, 2.0, 1.0, 0.5, 0.25];
 /// Bound to which rows that lost their symmetry are solved, and the products that may take.
 const NEAR: f64 = 1e-8;
 const FEW: f64 = 100.0;
@@ -30,6 +30,8 @@ pub struct Stored<'a> {
     pub direct: &'a [Vec3],
     pub exact: &'a [DVec3],
     pub places: &'a [Option<Place>],
+    /// What the rows are off by already, where that is known: to store them better than they were counted is of no use.
+    pub counted: Option<f64>,
 }
 
 pub fn diagram(stored: &Stored, budget: &Budget, watcher: &dyn Watcher) -> Result<Diagram, BakeError> {
@@ -50,10 +52,9 @@ pub fn diagram(stored: &Stored, budget: &Budget, watcher: &dyn Watcher) -> Resul
             }
             points.push(point(stored, &truth, how));
         }
-        series.push(Series { name: name.to_owned(), points });
+        series.push(Series::new(name, points));
     }
-    series
-        .push(Series { name: "as they are stored".to_owned(), points: vec![shipped(stored.lit.transport)] });
+    series.push(Series::new("as they are stored", vec![shipped(stored.lit.transport)]));
     series.push(cuts(stored, &truth, budget, watcher)?);
     series.retain(|series| !series.points.is_empty());
     Ok(Diagram {
@@ -66,8 +67,15 @@ pub fn diagram(stored: &Stored, budget: &Budget, watcher: &dyn Watcher) -> Resul
         y: super::bake_time::irradiance(),
         norm: Norm::Rms,
         series,
-        floors: vec![Floor { name: "rounding of f32".to_owned(), y: 0.5 * f64::from(f32::EPSILON) }],
+        floors: vec![floor(stored.counted)],
     })
+}
+
+fn floor(counted: Option<f64>) -> Floor {
+    match counted {
+        Some(y) => Floor { name: "error of the form factors themselves".to_owned(), y },
+        None => Floor { name: "rounding of f32".to_owned(), y: 0.5 * f64::from(f32::EPSILON) },
+    }
 }
 
 /// Receivers' rows cut through a tree over the patches; the patches' own stay whole.
@@ -97,11 +105,11 @@ fn cuts(stored: &Stored, truth: &[f64], budget: &Budget, watcher: &dyn Watcher) 
             preset: None,
         });
     }
-    Ok(Series { name: "receivers' rows cut through a tree, f32".to_owned(), points })
+    Ok(Series::new("receivers' rows cut through a tree, f32", points))
 }
 
 fn point(stored: &Stored, truth: &[f64], how: Kept) -> Point {
-    let Stored { lit, direct, exact, places } = *stored;
+    let Stored { lit, direct, exact, places, .. } = *stored;
     let [patches, receivers] = [&lit.transport.patch_from_patch, &lit.transport.receiver_from_patch];
     let [patch_rows, receiver_rows] = [kept(patches, how), kept(receivers, how)];
     let b = radiosity(lit, &patch_rows, direct, exact);

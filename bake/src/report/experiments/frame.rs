@@ -2,7 +2,8 @@
 //!
 //! Every method solves the same stored rows with the same E, three channels, in f64 on this machine's processor, and is
 //! looked at after 1, 2, 4, .. products; the runtime's own iteration, in f32, is looked at product by product and where
-//! its bound falls below a tolerance. The GPU's times and light are the player's. The truth is the exact solution.
+//! its bound falls below a tolerance. The first run of each is not counted. The truth is the exact solution. What the GPU
+//! does has a diagram of its own: its milliseconds are no processor's.
 
 use std::time::Instant;
 
@@ -15,7 +16,7 @@ use super::lit::Lit;
 use super::runtime::Runtime;
 use crate::report::Budget;
 use crate::report::model::{Axis, Diagram, Error, Floor, Norm, Point, Series};
-use crate::report::player::Played;
+use crate::report::player::{Played, Swept};
 use crate::{BakeError, Watcher};
 
 /// Runs of which the median is taken.
@@ -25,9 +26,12 @@ const MOST: u32 = 4096;
 /// No iterate that is nearer than this, of the largest B, is followed further.
 const ENOUGH: f64 = 1e-8;
 /// Half a unit in the last place of f32.
-const ROUNDING: f64 = 0.5 * f32::EPSILON as f64;
-/// Tolerances of the runtime's iteration.
+pub const ROUNDING: f64 = 0.5 * f32::EPSILON as f64;
+/// Tolerances of the runtime's iteration; the last is what it asks for at most: four units in the last place, times w.
 const TOLERANCES: [f32; 6] = [1e-1, 1e-2, TOLERANCE, 1e-4, 1e-5, 1e-6];
+const FINEST: f32 = 4.0 * f32::EPSILON;
+/// Products after which rounding keeps the bound above its tolerance for good.
+const PATIENCE: u32 = 256;
 
 /// What is solved, and its solution.
 pub struct Problem<'a> {
@@ -36,12 +40,13 @@ pub struct Problem<'a> {
     pub exact: &'a [DVec3],
 }
 
-pub fn diagram(
+/// The processor's, then the GPU's where there is one.
+pub fn diagrams(
     problem: &Problem,
     played: Option<&Played>,
     budget: &Budget,
     watcher: &dyn Watcher,
-) -> Result<Diagram, BakeError> {
+) -> Result<Vec<Diagram>, BakeError> {
     watcher.stage("solvers", Method::all().len() as u64 + 1);
     let rows = &problem.lit.transport.patch_from_patch;
     let system = problem.lit.system(rows);
@@ -58,21 +63,24 @@ pub fn diagram(
         series.push(of_method(problem, &channels, method, &part));
         watcher.advance(1, 0);
     }
-    series.extend(played.and_then(|played| of_gpu(problem, played, runtime.first())));
     series.retain(|series| !series.points.is_empty());
-    Ok(Diagram {
+    let floors = vec![Floor { name: "rounding of f32, eps w".to_owned(), y: ROUNDING * gain }];
+    let on_gpu = played.and_then(|played| on_gpu(problem, played, &runtime, floors.clone()));
+    let on_cpu = Diagram {
         id: "frame".to_owned(),
         title: "Frame time and the error of solving".to_owned(),
         about: "How near to the solution is the light after so many products, from darkness? Largest error of any patch \
-                over the largest radiosity; the rows are the shipped bake's. f64 methods take three channels one after \
-                the other, the runtime's iteration all at once in f32."
+                over the largest radiosity; the rows are the shipped bake's. All three channels: f64 methods take them one \
+                after the other, the runtime's iteration all at once in f32. Chebyshev's polynomials are small after many \
+                products, and may be large after two."
             .to_owned(),
         x: milliseconds(),
         y: Axis { label: "largest error over largest radiosity".to_owned(), unit: String::new() },
         norm: Norm::Max,
         series,
-        floors: vec![Floor { name: "rounding of f32, eps w".to_owned(), y: ROUNDING * gain }],
-    })
+        floors,
+    };
+    Ok([on_cpu].into_iter().chain(on_gpu).collect())
 }
 
 pub fn milliseconds() -> Axis {
@@ -126,11 +134,14 @@ impl Climbed {
 
 fn of_method(problem: &Problem, channels: &[Channel; 3], method: Method, budget: &Budget) -> Series {
     let mut runs: Vec<[Climbed; 3]> = Vec::new();
-    while runs.len() < RUNS && (runs.is_empty() || budget.left() > budget.spent() / runs.len() as f64) {
+    while runs.len() <= RUNS && (runs.is_empty() || budget.left() > budget.spent() / runs.len() as f64) {
         runs.push(std::array::from_fn(|c| {
             let e: Vec<f64> = problem.e.iter().map(|e| e[c]).collect();
             climb(method, &channels[c], &e, &budget.part(1.0 / (3 - c) as f64))
         }));
+    }
+    if runs.len() > 1 {
+        runs.remove(0);
     }
     let point = |k: usize| {
         let of = |c: usize, i: usize| runs[0][c].at(k).map_or(0.0, |rung| rung.b[i]);
@@ -144,7 +155,7 @@ fn of_method(problem: &Problem, channels: &[Channel; 3], method: Method, budget:
         Point { setting, error: problem.error(&b), ..timed(&times) }
     };
     let height = runs.iter().map(height).min().unwrap_or(0);
-    Series { name: method.name().to_owned(), points: (0..height).map(point).collect() }
+    Series::new(method.name(), (0..height).map(point).collect())
 }
 
 /// Rungs on which every channel was, or was done before.
@@ -186,28 +197,30 @@ fn by_product(problem: &Problem, runtime: &Runtime) -> Series {
     ladder.dedup();
     let point = |&count: &u32| {
         let (b, times) = run(problem, runtime, |step, _| step >= count);
-        let preset = (count == first).then(|| "runtime".to_owned());
-        Point { setting: products(count), error: problem.error(&b), preset, ..timed(&times) }
+        let setting =
+            if count == first { format!("{} (a first frame)", products(count)) } else { products(count) };
+        Point { setting, error: problem.error(&b), ..timed(&times) }
     };
     let name = format!("runtime's {}, f32", runtime.choice.method.name());
-    Series { name, points: ladder.iter().map(point).collect() }
+    Series::new(name, ladder.iter().map(point).collect())
 }
 
 /// The same until its bound is small enough, as the runtime asks.
 fn by_tolerance(problem: &Problem, runtime: &Runtime) -> Series {
-    let point = |&tolerance: &f32| {
+    let point = |tolerance: f32| {
         let mut taken = 0;
         let (b, times) = run(problem, runtime, |step, measured| {
             taken = step;
-            step >= MOST || (step > 0 && measured.bound(runtime.gain) <= tolerance)
+            step >= PATIENCE || (step > 0 && measured.bound(runtime.gain) <= tolerance)
         });
         let preset = (tolerance == TOLERANCE).then(|| "runtime".to_owned());
         let setting = format!("tolerance {tolerance:.0e}, {}", products(taken));
         Point { setting, error: problem.error(&b), preset, ..timed(&times) }
     };
-    let reachable = |tolerance: &&f32| **tolerance > 16.0 * ROUNDING as f32 * runtime.gain;
-    let points = TOLERANCES.iter().filter(reachable).map(point).collect();
-    Series { name: "runtime's, until its bound says so".to_owned(), points }
+    let finest = FINEST * runtime.gain;
+    let coarser = TOLERANCES.into_iter().filter(|tolerance| *tolerance > 2.0 * finest);
+    let points = coarser.chain([finest]).map(point).collect();
+    Series::new("runtime's, until its bound says so", points)
 }
 
 /// Until told to stop after so many products and with what the last one measured; milliseconds of every run.
@@ -219,7 +232,7 @@ fn run(
     let e: Vec<Vec3> = problem.e.iter().map(|e| e.as_vec3()).collect();
     let mut times = Vec::new();
     let mut b = Vec::new();
-    for _ in 0..RUNS {
+    for _ in 0..=RUNS {
         b = e.clone();
         let started = Instant::now();
         let mut measured = runtime.frame(&e, &mut b, 0, 0);
@@ -230,14 +243,15 @@ fn run(
         }
         times.push(1e3 * started.elapsed().as_secs_f64());
     }
+    times.remove(0);
     (b.iter().map(|b| b.as_dvec3()).collect(), times)
 }
 
 /// The player's sweep: its bounce, from darkness. Its E is its own, and so is the solution it is compared with.
-fn of_gpu(problem: &Problem, played: &Played, first: u32) -> Option<Series> {
+fn on_gpu(problem: &Problem, played: &Played, runtime: &Runtime, floors: Vec<Floor>) -> Option<Diagram> {
     let lit = problem.lit;
     let n = problem.e.len();
-    let point = |swept: &crate::report::player::Swept| {
+    let point = |swept: &Swept| {
         let light = &swept.light;
         if light.exitance.len() != n || light.radiosity.len() < n {
             return None;
@@ -247,13 +261,26 @@ fn of_gpu(problem: &Problem, played: &Played, first: u32) -> Option<Series> {
             (0..n).map(|i| light.exitance[i] + lit.albedo[i].as_dvec3() * from_sky[i]).collect();
         let exact = lit.solve(&lit.transport.patch_from_patch, &e);
         let error = error_of(&light.radiosity[..n], &exact, &problem.areas());
-        let preset = (swept.products == first).then(|| "runtime".to_owned());
+        let preset = (swept.products == runtime.first()).then(|| "runtime".to_owned());
         let x = Point { x: swept.milliseconds, x_range: swept.range, runs: swept.frames, ..Point::default() };
         Some(Point { setting: products(swept.products), error, preset, ..x })
     };
     let points: Vec<Point> = played.sweep.iter().filter_map(point).collect();
-    let timing = if played.on_gpu { "times of the GPU" } else { "times of recording" };
-    Some(Series { name: format!("GPU, {}, {timing}", played.adapter), points })
+    let timing = if played.on_gpu { "by the GPU's clock" } else { "to record it" };
+    (!points.is_empty()).then(|| Diagram {
+        id: "frame_gpu".to_owned(),
+        title: "Frame time on the GPU and the error of solving".to_owned(),
+        about: format!(
+            "The same for the player's bounce, {timing}: one frame of so many products, from darkness, against the exact \
+             solution of the stored rows under the light that the GPU had. Marked is what the player takes in its first \
+             frame."
+        ),
+        x: milliseconds(),
+        y: Axis { label: "largest error over largest radiosity".to_owned(), unit: String::new() },
+        norm: Norm::Max,
+        series: vec![Series::new(format!("{}, f32, {}", runtime.choice.method.name(), played.adapter), points)],
+        floors,
+    })
 }
 
 /// w, the largest of all channels.

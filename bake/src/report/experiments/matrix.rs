@@ -82,7 +82,8 @@ pub fn exactly(
     let reference = mean(&at_receivers);
     let apart = difference(&at_receivers[0], &at_receivers[1]);
     let standard_error = 0.5 * Error::of_field(&apart, &reference, &weights(&reference)).rms;
-    Ok(Some(Exactly { rays, at_points: mean(&at_points), at_receivers: reference, standard_error, matrices }))
+    let at_points = mean(&at_points);
+    Ok(Some(Exactly { rays, at_points, at_receivers: reference, standard_error, matrices }))
 }
 
 /// Irradiance of all receivers that are read (others 0), and at the places themselves.

@@ -38,7 +38,7 @@ use self::split::{Chain, MANY_SAMPLES};
 use self::truth::Truth;
 use super::Budget;
 use super::budget::Within;
-use super::model::{Advice, Diagram, Split};
+use super::model::{Advice, Diagram, Error, Split};
 use super::player::{GpuLight, Played};
 use crate::query::Place;
 use crate::{BakeError, Opened, Point, Watcher};
@@ -80,14 +80,15 @@ const FEW: usize = 64;
 const STIFF: f64 = 20.0;
 
 /// Of the time, what is not for bakes; they come last and take what there is then.
-const FOR_OTHERS: f64 = 0.6;
+const FOR_OTHERS: f64 = 0.5;
 /// Shares of what is left of that, in the order of their turns.
-const FOR_TRUTH: f64 = 0.35;
-const FOR_MATRIX: f64 = 0.45;
-const FOR_LAG: f64 = 0.25;
-const FOR_FRAME: f64 = 0.3;
-const FOR_BYTES: f64 = 0.35;
-const FOR_RAW: f64 = 0.5;
+const FOR_MATRIX: f64 = 0.4;
+const FOR_TRUTH: f64 = 0.5;
+const FOR_STIFF_TRUTH: f64 = 0.65;
+const FOR_LAG: f64 = 0.35;
+const FOR_FRAME: f64 = 0.35;
+const FOR_BYTES: f64 = 0.5;
+const FOR_RAW: f64 = 0.8;
 
 pub fn all(setup: &Setup, budget: &Budget, watcher: &dyn Watcher) -> Result<Measured, BakeError> {
     let points = if budget.left() < SHORT { FEW } else { EFFORT.points };
@@ -112,22 +113,23 @@ fn run(
     let stiff = frame::largest_gain(&lit) > STIFF;
     let count = if stiff { effort.points.min(FEW) } else { effort.points };
     let points = points_of(opened, count, notes);
-    let truth = truth::trace(opened, &points, effort.reference, &others.part(FOR_TRUTH), watcher)?;
+    let seen = Seen::new(&lit, lit.places(&points));
+    let exactly = seen.exactly(opened, &others.part(FOR_MATRIX), watcher, notes)?;
+    let for_truth = others.part(if stiff { FOR_STIFF_TRUTH } else { FOR_TRUTH });
+    let truth = truth::trace(opened, &points, effort.reference, &for_truth, watcher)?;
     if truth.is_dark() {
         notes.push("no light reaches any surface: only lag was measured, by lamps of its own".to_owned());
         measured.diagrams = lag::diagrams(&lit, &others.part(FOR_LAG), watcher, notes)?;
         return Ok(measured);
     }
-    let seen = Seen::new(&lit, lit.places(&points));
-    let exactly = seen.exactly(opened, &others.part(FOR_MATRIX), watcher, notes)?;
     let lag = lag::diagrams(&lit, &others.part(FOR_LAG), watcher, notes)?;
     let frame = seen.frame(setup.played.as_ref(), &others.part(FOR_FRAME), watcher)?;
-    let bytes = seen.bytes(&others.part(FOR_BYTES), watcher)?;
+    let bytes = seen.bytes(exactly.as_ref(), &others.part(FOR_BYTES), watcher)?;
     let ends = Ends { exactly: exactly.as_ref(), truth: &truth, direct_exactly: &seen.direct_exactly };
-    measured.split = seen.split(setup, &ends, &others.part(FOR_RAW), watcher, notes)?;
+    measured.split = seen.split(setup, &ends, &others.part(FOR_RAW), watcher)?;
     (measured.diagrams, measured.advice) = bakes(setup, &points, &ends, effort, budget, watcher, notes)?;
-    measured.advice.extend(advice::of_frames(&frame));
-    measured.diagrams.push(frame);
+    measured.advice.extend(frame.first().map(advice::of_frames).unwrap_or_default());
+    measured.diagrams.extend(frame);
     measured.diagrams.extend(lag);
     measured.diagrams.push(bytes);
     measured.diagrams.retain(|diagram| !diagram.series.is_empty());
@@ -215,6 +217,9 @@ impl<'a> Seen<'a> {
         watcher: &dyn Watcher,
         notes: &mut Vec<String>,
     ) -> Result<Option<Exactly>, BakeError> {
+        if self.exact.iter().all(|b| *b == DVec3::ZERO) {
+            return Ok(None);
+        }
         exactly(opened, self.lit, &self.direct_exactly, &self.places, budget, watcher, notes)
     }
 
@@ -223,9 +228,9 @@ impl<'a> Seen<'a> {
         played: Option<&Played>,
         budget: &Budget,
         watcher: &dyn Watcher,
-    ) -> Result<Diagram, BakeError> {
+    ) -> Result<Vec<Diagram>, BakeError> {
         let problem = Problem { lit: self.lit, e: &self.e, exact: &self.exact };
-        frame::diagram(&problem, played, budget, watcher)
+        frame::diagrams(&problem, played, budget, watcher)
     }
 
     /// What the runtime's iteration ends with.
@@ -234,9 +239,24 @@ impl<'a> Seen<'a> {
         Runtime::new(&system, frame::largest_gain(self.lit)).settled(&self.e)
     }
 
-    fn bytes(&self, budget: &Budget, watcher: &dyn Watcher) -> Result<Diagram, BakeError> {
-        let stored = Stored { lit: self.lit, direct: &self.direct, exact: &self.exact, places: &self.places };
+    fn bytes(
+        &self,
+        exactly: Option<&Exactly>,
+        budget: &Budget,
+        watcher: &dyn Watcher,
+    ) -> Result<Diagram, BakeError> {
+        let (lit, places) = (self.lit, &self.places);
+        let counted = exactly.map(|exactly| self.error_of_counting(exactly));
+        let stored = Stored { lit, direct: &self.direct, exact: &self.exact, places, counted };
         bytes::diagram(&stored, budget, watcher)
+    }
+
+    /// What the shipped rows show against exact ones, both solved exactly under the same direct light: rms.
+    fn error_of_counting(&self, exactly: &Exactly) -> f64 {
+        let rows = &self.lit.transport.patch_from_patch;
+        let e = self.lit.e(rows, &self.direct_exactly);
+        let shown = self.lit.shown(&self.lit.solve(rows, &e), &self.places);
+        Error::of(&shown, &exactly.at_receivers, &lit::weights(&shown)).rms
     }
 
     fn split(
@@ -245,7 +265,6 @@ impl<'a> Seen<'a> {
         ends: &Ends,
         budget: &Budget,
         watcher: &dyn Watcher,
-        notes: &mut Vec<String>,
     ) -> Result<Split, BakeError> {
         watcher.stage("split", 2);
         let raw = raw(setup, &Within { watcher: &Quiet(watcher), budget: *budget })?;
@@ -265,13 +284,8 @@ impl<'a> Seen<'a> {
             exactly: ends.exactly,
             truth: ends.truth,
         };
-        let (mut split, by_seeds) = chain.split();
+        let mut split = chain.split();
         split.parts.push(probes::part(self.lit, &self.exact));
-        notes.push(format!(
-            "split: with one seed of the path tracer for the parts and the other for the total, {:.1} % of the total are \
-             unexplained: that is how far the seeds are apart",
-            100.0 * by_seeds
-        ));
         watcher.advance(1, 0);
         Ok(split)
     }

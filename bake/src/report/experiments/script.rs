@@ -21,6 +21,8 @@ pub struct Script {
     pub begins_solved: bool,
 }
 
+/// Frames before those that count.
+pub const WARM: usize = 4;
 /// Of a crossing, and of the sun's way.
 const STEPS: usize = 40;
 /// Frames of a flicker of 10 Hz: as many on as off.
@@ -45,6 +47,8 @@ pub fn scripts(lit: &Lit) -> Vec<Script> {
     let (near, far) = (spot(0.15), spot(0.85));
     let repeat = |light: &Option<PlacedLight>, frames: usize| vec![light.clone(); frames];
     let cycle = [repeat(&near, HALF_PERIOD), repeat(&None, HALF_PERIOD)].concat();
+    let dark = repeat(&None, WARM);
+    let towards = room.sunny_side(lit);
     vec![
         Script {
             name: "a spot crossing",
@@ -55,31 +59,41 @@ pub fn scripts(lit: &Lit) -> Vec<Script> {
         Script {
             name: "the sun moving",
             moves: true,
-            frames: (0..STEPS).map(|k| Some(room.sun(way(k)))).collect(),
+            frames: (0..STEPS).map(|k| Some(room.sun(way(k), towards))).collect(),
             begins_solved: true,
         },
         Script {
             name: "flicker at 10 Hz",
             moves: false,
-            frames: vec![cycle; 4].concat(),
+            frames: [dark.clone(), vec![cycle; 4].concat()].concat(),
             begins_solved: false,
         },
         Script {
             name: "a teleport",
             moves: false,
-            frames: [repeat(&near, 2), repeat(&far, 10)].concat(),
+            frames: [repeat(&near, WARM), repeat(&far, 10)].concat(),
             begins_solved: true,
         },
         Script {
             name: "on and off",
             moves: false,
-            frames: [repeat(&near, 10), repeat(&None, 10)].concat(),
+            frames: [dark, repeat(&near, 10), repeat(&None, 10)].concat(),
             begins_solved: false,
         },
     ]
 }
 
 impl Room {
+    /// From where the sun lights more: a room may be open to one side alone.
+    fn sunny_side(&self, lit: &Lit) -> f32 {
+        let lights = |towards: f32| -> f32 {
+            let of =
+                |k: u8| lit.direct(&[self.sun(f32::from(k) / 4.0, towards)]).iter().map(|h| h.x).sum::<f32>();
+            (0..=4).map(of).sum()
+        };
+        if lights(1.0) > lights(-1.0) { 1.0 } else { -1.0 }
+    }
+
     /// Under the ceiling, looking down; `at`: from one end of the longer side to the other.
     fn spot(&self, at: f32) -> PlacedLight {
         let size = self.high - self.low;
@@ -88,10 +102,10 @@ impl Room {
         PlacedLight { entity: EntityId(0), light, position: self.low + size * along, direction: Vec3::NEG_Y }
     }
 
-    /// From 60 degrees on one side to 60 on the other, a little from the front.
-    fn sun(&self, at: f32) -> PlacedLight {
+    /// From 60 degrees on one side to 60 on the other, a little from the front (`towards`: -1) or the back (1).
+    fn sun(&self, at: f32, towards: f32) -> PlacedLight {
         let angle = (at - 0.5) * (2.0 * PI / 3.0);
-        let direction = vec3(angle.sin(), -angle.cos(), -0.4).normalize();
+        let direction = vec3(angle.sin(), -angle.cos(), 0.4 * towards).normalize();
         let light = Light { kind: LightKind::Sun, ..white() };
         PlacedLight { entity: EntityId(0), light, position: self.high, direction }
     }

@@ -3,8 +3,14 @@
 //! A chain of irradiance fields at the same points, from what the player shows to the path tracer; each differs from the
 //! next in one thing, and the difference, a signed field, is that thing's part. Parts add up to the total because fields
 //! do, if nothing is missing: the total is measured by another way, from what the GPU gathered at the receivers itself
-//! (or, without a player, the CPU in f32). Both ends meet the same path-traced field, whose own error is told beside; how
-//! far the parts, measured with one seed, miss the total, measured with the other, is told in a note: noise as well.
+//! (or, without a player, the CPU in f32). Both ends meet the same path-traced field p, whose noise is in the last part and
+//! in the total alike. Against p1 for the parts and p2 for the total the sum misses by p2 - p1 more, which is nothing but
+//! noise if the path tracer's standard errors s are right: over n points with three channels each, all alike,
+//!
+//! ```text
+//! |p2 - p1|^2  ~  Sum_i v_i (1 +- spread)      v_i = s1_i^2 + s2_i^2      spread^2 = 2 (1 + 1/15) Sum_i v_i^2 / (Sum_i v_i)^2
+//! ```
+//! (2 of a square of normal noise, and its fifteenth since s comes from two sets of 16 replicates.)
 
 use engine::transport::{Rows, Transport};
 use glam::{DVec3, Vec3};
@@ -14,7 +20,7 @@ use super::lit::{Lit, difference, weights};
 use super::matrix::Exactly;
 use super::truth::Truth;
 use crate::query::Place;
-use crate::report::model::{Error, Part, Split};
+use crate::report::model::{Error, Part, Seeds, Split};
 use crate::report::player::GpuLight;
 
 /// Places on a patch where direct light is taken for the truth.
@@ -46,24 +52,40 @@ pub struct Chain<'a> {
 }
 
 impl Chain<'_> {
-    /// And the share of the total that is unexplained where the parts are measured with one seed of the path tracer and
-    /// the total with the other.
-    pub fn split(&self) -> (Split, f64) {
+    pub fn split(&self) -> Split {
         let (parts, sum) = self.parts();
         let shown = self.shown();
         let total = difference(&shown, &self.truth.field);
+        Split {
+            about: self.about(),
+            unexplained: missing(&sum, &total),
+            seeds: self.seeds(&sum, &shown, &total),
+            parts,
+            total: self.error(&total),
+            reference_error: self.truth.standard_error,
+        }
+    }
+
+    /// The parts, of which the last ends at one half of the reference, against the total, which is measured by the other.
+    fn seeds(&self, sum: &[f64], shown: &[f64], total: &[f64]) -> Seeds {
         let [one, other] = &self.truth.halves;
         let by_one: Vec<f64> =
             sum.iter().zip(&self.truth.field).zip(one).map(|((sum, mean), one)| sum + mean - one).collect();
-        let by_seeds = missing(&by_one, &difference(&shown, other));
-        let split = Split {
-            about: self.about(),
-            parts,
-            total: self.error(&total),
-            unexplained: missing(&sum, &total),
-            reference_error: self.truth.standard_error,
-        };
-        (split, by_seeds)
+        let missed = rms(&difference(&by_one, &difference(shown, other)));
+        let size = rms(total);
+        if size == 0.0 {
+            return Seeds::default();
+        }
+        let apart = &self.truth.apart;
+        let points = apart.len() / 3;
+        let sum: f64 = apart.iter().sum();
+        let of_point = |i: usize| (0..3).map(|channel| apart[channel * points + i]).sum::<f64>();
+        let squares: f64 = (0..points).map(|i| of_point(i).powi(2)).sum();
+        Seeds {
+            missed: missed / size,
+            noise: (sum / apart.len().max(1) as f64).sqrt() / size,
+            spread: if sum > 0.0 { (2.0 * (1.0 + 1.0 / 15.0) * squares).sqrt() / sum } else { 0.0 },
+        }
     }
 
     /// Of all links, and the sum of their fields.

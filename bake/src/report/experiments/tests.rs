@@ -8,6 +8,7 @@ use engine::scene::{
     Transform,
 };
 use engine::transport::Certificate;
+use engine::transport::direct::PlacedLight;
 use engine::transport::key::BakeWith;
 use glam::{DQuat, DVec3, Vec3};
 
@@ -57,10 +58,12 @@ fn setup(scene: Scene) -> Setup {
     assets.meshes.insert(MeshSource::Shape(Shape::Quad), Arc::new(shape::mesh(Shape::Quad)));
     let surface = surface::sanitise(&scene, &assets).unwrap();
     let bake = BakeSettings { rays: Some(RAYS), patch_length: Some(LENGTH), ..BakeSettings::default() };
-    let settings = Project { version: 1, default_scene: "corner".to_owned(), bake };
+    let settings = Project { default_scene: "corner".to_owned(), bake, ..Project::default() };
     let with = BakeWith { quality: Quality::Standard, rays: RAYS, length: LENGTH };
     let (transport, _) = make(&scene, &assets, &surface, &with, &Caches::none(), &Silent).unwrap();
-    let opened = Opened { settings, name: "corner".to_owned(), scene, assets, surface, warnings: Vec::new() };
+    let authored = scene.clone();
+    let (name, warnings) = ("corner".to_owned(), Vec::new());
+    let opened = Opened { settings, name, scene, authored, assets, surface, warnings };
     Setup { opened, transport, played: None }
 }
 
@@ -85,6 +88,8 @@ fn errors(measured: &Measured) -> Vec<(String, [f64; 4])> {
     let split = &measured.split;
     all.push(("total".to_owned(), numbers(&split.total)));
     all.push(("unexplained".to_owned(), [split.unexplained, split.reference_error, 0.0, 0.0]));
+    let seeds = &split.seeds;
+    all.push(("seeds".to_owned(), [seeds.missed, seeds.noise, seeds.spread, 0.0]));
     let floors = measured.diagrams.iter().flat_map(|diagram| &diagram.floors);
     all.extend(floors.map(|floor| (floor.name.clone(), [floor.y, 0.0, 0.0, 0.0])));
     all
@@ -141,6 +146,8 @@ fn a_lamp_in_a_corner_fills_all_diagrams_and_its_errors_fall() {
     assert!(named("discretisation").error.rms > 0.0 && named("form factors").left_out.is_none());
     assert!(named("GPU").left_out.is_some() && named("lag").left_out.is_some());
     assert!(measured.split.unexplained < 0.01, "{}", measured.split.unexplained);
+    let seeds = measured.split.seeds;
+    assert!(measured.split.adds_up() && seeds.missed > 0.0 && seeds.noise > 0.0, "{seeds:?}");
 }
 
 #[test]
@@ -162,6 +169,19 @@ fn light_that_the_chain_does_not_know_of_is_unexplained() {
     });
     assert!(unexplained[0] < 1e-9, "{unexplained:?}");
     assert!(unexplained[1] > 0.3, "{unexplained:?}");
+}
+
+#[test]
+fn light_that_jumps_stands_still_in_the_frames_that_do_not_count() {
+    let setup = setup(corner());
+    let lit = Lit::new(&setup.opened, &setup.transport);
+    let place = |light: &Option<PlacedLight>| light.as_ref().map(|light| light.position);
+    for script in script::scripts(&lit).iter().filter(|script| !script.moves) {
+        let (before, counted) = script.frames.split_at(script::WARM);
+        let first = place(&before[0]);
+        assert!(before.iter().all(|light| place(light) == first), "{}", script.name);
+        assert!(counted.iter().any(|light| place(light) != first), "{}", script.name);
+    }
 }
 
 #[test]

@@ -23,6 +23,8 @@ pub struct Truth {
     pub field: Vec<f64>,
     /// From either seed alone.
     pub halves: [Vec<f64>; 2],
+    /// Variance of what the halves differ by, as their replicates say.
+    pub apart: Vec<f64>,
     /// rms over the mean.
     pub standard_error: f64,
 }
@@ -49,26 +51,52 @@ pub fn trace(
     let tracer = PathTracer::new(&opened.scene, &opened.assets, Surfaces::Diffuse)?;
     let straight = PathTracer::new(&darkened(&opened.scene), &opened.assets, Surfaces::Diffuse)?;
     let straight = straight.irradiance(points, 1, SEEDS[0], &Quiet(watcher))?;
-    let mut halves: [Vec<f64>; 2] = Default::default();
-    let mut squares = 0.0;
-    for (k, seed) in SEEDS.into_iter().enumerate() {
-        let seconds = budget.left() / (2 - k) as f64;
-        let target = fine_enough * std::f64::consts::SQRT_2;
+    let target = fine_enough * std::f64::consts::SQRT_2;
+    let follow = |seed: u64, seconds: f64| -> Result<Traced, BakeError> {
         let found = tracer.irradiance_until(points, target, seconds, seed, &Quiet(watcher))?;
+        watcher.advance(1, 0);
+        Ok(Traced::new(&found, &straight))
+    };
+    let one = follow(SEEDS[0], 0.5 * budget.left())?;
+    Ok(Truth::of(one, follow(SEEDS[1], budget.left())?))
+}
+
+/// What one seed found, channel after channel: net of what comes straight from lights, and its variance.
+struct Traced {
+    field: Vec<f64>,
+    variance: Vec<f64>,
+}
+
+impl Traced {
+    fn new(found: &[Measured], straight: &[Measured]) -> Self {
         let net = |(found, straight): (&Measured, &Measured)| {
             let net = found.total() - straight.direct;
             DVec3::select(net.cmpgt(straight.direct * ROUNDING), net, DVec3::ZERO)
         };
-        halves[k] = field(found.iter().zip(&straight).map(net));
-        squares += found.iter().map(|point| point.standard_error.length_squared()).sum::<f64>();
-        watcher.advance(1, 0);
+        Self {
+            field: field(found.iter().zip(straight).map(net)),
+            variance: field(found.iter().map(|point| point.standard_error * point.standard_error)),
+        }
     }
-    let mean: Vec<f64> = halves[0].iter().zip(&halves[1]).map(|(a, b)| 0.5 * (a + b)).collect();
-    let scale = mean.iter().sum::<f64>() / mean.len().max(1) as f64;
-    // The variance of the mean of two is a quarter of the sum of theirs.
-    let rms = (0.25 * squares / mean.len().max(1) as f64).sqrt();
-    let standard_error = if scale > 0.0 { rms / scale } else { 0.0 };
-    Ok(Truth { field: mean, halves, standard_error })
+}
+
+impl Truth {
+    fn of(one: Traced, other: Traced) -> Self {
+        let both = |a: &[f64], b: &[f64], share: f64| -> Vec<f64> {
+            a.iter().zip(b).map(|(a, b)| share * (a + b)).collect()
+        };
+        let field = both(&one.field, &other.field, 0.5);
+        let apart = both(&one.variance, &other.variance, 1.0);
+        let scale = mean(&field);
+        // The variance of the mean of two is a quarter of the sum of theirs.
+        let rms = (0.25 * mean(&apart)).sqrt();
+        let standard_error = if scale > 0.0 { rms / scale } else { 0.0 };
+        Self { field, halves: [one.field, other.field], apart, standard_error }
+    }
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
 /// The same with nothing but its punctual lights.

@@ -31,8 +31,8 @@ pub fn example() -> Diagram {
         y: Axis { label: "error of irradiance, rms over mean".to_owned(), unit: String::new() },
         norm: Norm::Rms,
         series: vec![
-            Series { name: "Sobol points, pooled and balanced".to_owned(), points: rays },
-            Series { name: "plain ray caster".to_owned(), points: plain },
+            Series::new("Sobol points, pooled and balanced", rays),
+            Series::new("plain ray caster", plain),
         ],
         floors: vec![Floor { name: "noise of the reference".to_owned(), y: 7e-4 }],
     }
@@ -165,10 +165,7 @@ fn whatever_was_measured_is_drawn() {
             diagrams.push(diagram);
         }
         let points = vec![point("alone", x, x, Some("alone"))];
-        diagrams.push(Diagram {
-            series: vec![Series { name: "alone".to_owned(), points }],
-            ..Diagram::default()
-        });
+        diagrams.push(Diagram { series: vec![Series::new("alone", points)], ..Diagram::default() });
     }
     for diagram in &diagrams {
         assert_on_sheet(&diagram::sheet(diagram, true), &format!("{diagram:?}"));

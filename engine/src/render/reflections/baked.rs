@@ -2,9 +2,9 @@
 
 use std::collections::HashMap;
 
+use super::Reflections;
 use super::capture::Set;
 use super::cubes::unit_of;
-use super::{Reflections, Seen};
 use crate::gpu::{Gpu, GpuError, texture};
 use crate::scene::{EntityId, Refresh};
 use crate::transport::reflection::Cube;
@@ -31,12 +31,7 @@ impl Reflections {
     }
 
     /// Returns whether any were taken.
-    pub(super) fn take_given(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        set: &mut Set<'_>,
-        seen: Seen,
-    ) -> bool {
+    pub(super) fn take_given(&mut self, encoder: &mut wgpu::CommandEncoder, set: &mut Set<'_>) -> bool {
         if self.given.is_empty() {
             return false;
         }
@@ -48,7 +43,7 @@ impl Reflections {
                 probe.read_unit = probe.unit;
                 upload(set.gpu, &probe.source.texture, &cube, probe.unit);
                 self.prefilter.run(encoder, set.timer, &probe.source, &self.cubes.faces[index + 1]);
-                probe.schedule.keep(seen);
+                probe.schedule.keep();
             }
         }
         self.given.clear();

@@ -188,15 +188,14 @@ struct Drawer<'a, 'b> {
 
 impl Drawer<'_, '_> {
     fn draw(&mut self, color: &wgpu::TextureView, depth: &wgpu::TextureView, layers: Layers) -> u32 {
-        let Set { gpu, timer, surfaces, sky, scenery, .. } = self.set;
+        let Set { timer, surfaces, sky, scenery, .. } = self.set;
         let mut pass = begin(self.encoder, color, depth, layers.keep, timer.render("capture"));
         let Layers { still, moving, keep } = layers;
-        let mut draws =
-            surfaces.draw(gpu, &mut pass, scenery, self.look, Which { blended: false, still, moving });
+        let mut draws = surfaces.draw(&mut pass, scenery, self.look, Which { blended: false, still, moving });
         if !keep {
-            draws += sky.draw(gpu, &mut pass, self.look.frame, 1);
+            draws += sky.draw(&mut pass, self.look.frame, 1);
         }
-        draws + surfaces.draw(gpu, &mut pass, scenery, self.look, Which { blended: true, still, moving })
+        draws + surfaces.draw(&mut pass, scenery, self.look, Which { blended: true, still, moving })
     }
 }
 

@@ -9,6 +9,7 @@
 pub mod baked;
 pub mod capture;
 mod cubes;
+mod in_view;
 pub mod prefilter;
 mod schedule;
 mod settling;
@@ -17,15 +18,17 @@ pub mod uses;
 mod wanted;
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
 use super::frame::Now;
 use super::instances::Instances;
+use super::materials::Materials;
+use crate::gpu::Gpu;
 use crate::gpu::buffer::Held;
-use crate::gpu::shader::Library;
-use crate::gpu::{Gpu, GpuError};
-use crate::scene::{EntityId, ReflectionProbe};
+use crate::gpu::pipeline::Compiler;
+use crate::scene::{EntityId, Feature, Forced, ReflectionProbe};
 use crate::transport::reflection::Cube;
 use crate::transport::{Occluders, Transport};
 use capture::{Room, Set, Shown, Views};
@@ -34,7 +37,7 @@ use prefilter::{Prefilter, Source, levels};
 pub use schedule::Seen;
 use schedule::{Due, Schedule};
 use settling::Settling;
-use sight::{Sight, look_around};
+use sight::{Sight, look_around, seen_batches};
 use uses::{GpuReflectionProbe, Ranked, ReflectionUse};
 use wanted::{Wanted, fit, wanted};
 
@@ -57,8 +60,23 @@ pub struct Reflections {
     given: HashMap<EntityId, Cube>,
     /// Probes that are too many.
     pub left_out: usize,
+    /// Probes that nothing in view reads, at the last frame.
+    pub unread: usize,
+    asked: Asked,
     /// Counts arrays made.
     made: u64,
+}
+
+/// What of reflections is not left to the scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Asked {
+    /// In: all probes have cubemaps; out: none.
+    cubemaps: Option<Forced>,
+    sky: bool,
+    /// Of what does not change: in every frame.
+    again: bool,
+    /// Of what nothing in view reads.
+    unseen: bool,
 }
 
 struct SkyCube {
@@ -75,6 +93,12 @@ struct Probe {
     schedule: Schedule,
     /// From where it stands.
     sight: Option<(Vec3, Sight)>,
+    /// What it sees of the static surface.
+    batches: Vec<usize>,
+    /// What it sees of what moves: a number, and how often that changed.
+    moving: (u64, u64),
+    /// Captures that are asked for though nothing changed.
+    again: u64,
     /// Radiance of one unit of the capture at hand, and of the cubemap that is read.
     unit: f32,
     read_unit: f32,
@@ -93,11 +117,18 @@ pub struct Captured {
 impl Reflections {
     pub fn new(
         gpu: &Gpu,
-        library: &mut Library,
+        compiler: &Arc<Compiler>,
         frame_layout: &wgpu::BindGroupLayout,
-    ) -> Result<Self, GpuError> {
-        let prefilter = Prefilter::new(gpu, library)?;
-        Ok(Self {
+        asked: &super::Asked,
+    ) -> Self {
+        let asked = Asked {
+            cubemaps: asked.said(Feature::Reflections),
+            sky: asked.has(Feature::Sky, true),
+            again: asked.has(Feature::Recaptures, false),
+            unseen: asked.has(Feature::UnseenCaptures, false),
+        };
+        let prefilter = Prefilter::new(gpu, compiler);
+        Self {
             cubes: Cubes::new(gpu, 1, 2),
             sky: SkyCube { source: None, seen: 0 },
             prefilter,
@@ -111,8 +142,10 @@ impl Reflections {
             uses: Held::new(gpu, "reflections", wgpu::BufferUsages::UNIFORM),
             reads: Vec::new(),
             left_out: 0,
+            unread: 0,
+            asked,
             made: 0,
-        })
+        }
     }
 
     /// Bindings 4 and up of group 2.
@@ -142,6 +175,9 @@ impl Reflections {
     }
 
     pub fn bytes(&self) -> u64 {
+        if !self.any() {
+            return 0;
+        }
         let cube = |texture: &wgpu::Texture| {
             u64::from(texture.width()) * u64::from(texture.width()) * 8 * 4 / 3
                 * u64::from(texture.depth_or_array_layers())
@@ -157,11 +193,11 @@ impl Reflections {
         &mut self,
         gpu: &Gpu,
         now: &Now<'_>,
-        instances: &Instances,
+        (instances, materials): (&Instances, &Materials),
         (transport, occluders): (&Transport, &Occluders),
     ) {
         let origin = transport.origin;
-        let (mut probes, with_sky) = wanted(now, instances, origin);
+        let (mut probes, with_sky) = wanted(now, instances, materials, origin, &self.asked);
         self.left_out = fit(&mut probes, gpu.device.limits().max_texture_array_layers);
         self.make_room(gpu, &probes, with_sky);
         let influences = probes.iter().map(|wanted| (wanted.entity, wanted.influence)).collect();
@@ -185,6 +221,7 @@ impl Reflections {
             if probe.sight.is_none_or(|(from, _)| from != at) {
                 let moved = probe.sight.is_some();
                 probe.sight = Some((at, look_around(transport, occluders, at)));
+                probe.batches = seen_batches(transport, occluders, at);
                 if moved {
                     probe.schedule.restart();
                 }
@@ -230,6 +267,9 @@ impl Reflections {
             room: Room::new(gpu, wanted.size),
             schedule: Schedule::default(),
             sight: None,
+            batches: Vec::new(),
+            moving: (0, 0),
+            again: 0,
             unit: 1.0,
             read_unit: 1.0,
         };
@@ -293,10 +333,13 @@ impl Reflections {
         self.views.clear();
         let mut captured = Captured::default();
         self.capture_sky(encoder, set, sky, &mut captured);
-        for probe in &mut self.probes {
-            probe.schedule.follow(probe.settings.refresh, seen);
+        let read = self.read_in_view(set);
+        self.unread = read.iter().filter(|read| !**read).count();
+        for ((probe, influence), read) in self.probes.iter_mut().zip(&self.ranked.influences).zip(read) {
+            let seen = probe.sees(seen, influence.position, set.scenery.instances, self.asked.again);
+            probe.schedule.follow(probe.settings.refresh, seen, read);
         }
-        captured.first |= self.take_given(encoder, set, seen);
+        captured.first |= self.take_given(encoder, set);
         let mut schedules: Vec<_> =
             self.probes.iter_mut().map(|probe| (&probe.settings, &mut probe.schedule)).collect();
         let mut complete = Vec::new();
@@ -306,7 +349,8 @@ impl Reflections {
             }
         }
         if !complete.is_empty() {
-            self.settling.copy(encoder, &self.cubes.harmonics, (complete, seen));
+            let complete = complete.into_iter().map(|probe| (probe, self.probes[probe].schedule.seen()));
+            self.settling.copy(encoder, &self.cubes.harmonics, complete.collect());
         }
         captured
     }

@@ -1,12 +1,14 @@
 //! From a captured cubemap to what surfaces read: smaller levels, levels blurred by roughness, harmonics.
 
+use std::sync::Arc;
+
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec3, Vec4};
 
 use super::super::shaders;
 use super::super::targets::RADIANCE;
 use crate::gpu::pass::{self, Binding};
-use crate::gpu::shader::Library;
+use crate::gpu::pipeline::{Compiler, Compute, Pipelines};
 use crate::gpu::timing::Timer;
 use crate::gpu::{Gpu, GpuError, buffer, texture};
 use crate::transport::reflection::cube::FACES;
@@ -42,9 +44,9 @@ const SMALLEST: u32 = 8;
 
 /// Pipelines, and what they need for cubemaps of each size.
 pub struct Prefilter {
-    halve: wgpu::RenderPipeline,
-    blur: wgpu::RenderPipeline,
-    project: wgpu::ComputePipeline,
+    draws: Pipelines<&'static str, wgpu::RenderPipeline>,
+    layout: wgpu::PipelineLayout,
+    project: Compute,
     draw_layout: wgpu::BindGroupLayout,
     project_layout: wgpu::BindGroupLayout,
     sampler: wgpu::Sampler,
@@ -85,25 +87,27 @@ pub fn faces(cubes: &wgpu::Texture, index: u32) -> Vec<Faces> {
 }
 
 impl Prefilter {
-    pub fn new(gpu: &Gpu, library: &mut Library) -> Result<Self, GpuError> {
+    pub fn new(gpu: &Gpu, compiler: &Arc<Compiler>) -> Self {
         use Binding::{Cube, Sampler, Uniform, Write};
-        let module = library.module(gpu, shaders::PREFILTER)?;
         let draw_layout =
             pass::layout(gpu, "prefilter", wgpu::ShaderStages::FRAGMENT, &[Uniform, Cube, Sampler]);
         let project_layout =
             pass::layout(gpu, "project", wgpu::ShaderStages::COMPUTE, &[Uniform, Cube, Sampler, Write]);
-        let layout = pass::pipeline_layout(gpu, &[None, None, None, Some(&draw_layout)]);
-        let over = |entry| pass::over_picture(gpu, &module, entry, &layout, RADIANCE);
-        Ok(Self {
-            halve: over("halve"),
-            blur: over("blur"),
-            project: pass::compute(gpu, &module, "project", &[None, None, None, Some(&project_layout)]),
+        let groups = [None, None, None, Some(&project_layout)];
+        Self {
+            draws: Pipelines::new(compiler, shaders::PREFILTER),
+            layout: pass::pipeline_layout(gpu, &[None, None, None, Some(&draw_layout)]),
+            project: Compute::new(compiler, shaders::PREFILTER, &groups),
             draw_layout,
             project_layout,
             sampler: sampler(gpu),
             // A processor that draws pays for every tap.
             samples: if gpu.software { 32 } else { MOST_SAMPLES as u32 },
-        })
+        }
+    }
+
+    fn drawing(&self, entry: &'static str) -> Option<wgpu::RenderPipeline> {
+        self.draws.get(entry, |gpu, module| pass::over_picture(gpu, module, entry, &self.layout, RADIANCE))
     }
 
     pub fn sampler(&self) -> &wgpu::Sampler {
@@ -172,11 +176,14 @@ impl Prefilter {
         let size = cube.width() >> level;
         let picture = texture::target(gpu, "face", [size, size], 1, RADIANCE);
         let view = picture.create_view(&Default::default());
+        let Some(halve) = self.drawing("halve") else {
+            return gpu.check().map(|()| Cube::new(0, Vec::new()));
+        };
         let mut texels = Vec::new();
         for group in self.groups(gpu, &texture::cube_level(cube, level), &[]) {
             let mut encoder = gpu.device.create_command_encoder(&Default::default());
             let mut pass = pass::draw_into(&mut encoder, "face", &view, None);
-            pass.set_pipeline(&self.halve);
+            pass.set_pipeline(&halve);
             pass.set_bind_group(3, &group, &[]);
             pass.draw(0..3, 0..1);
             drop(pass);
@@ -197,6 +204,7 @@ impl Prefilter {
         source: &Source,
         into: &[Faces],
     ) {
+        let (Some(halve), Some(blur)) = (self.drawing("halve"), self.drawing("blur")) else { return };
         let mut draw = |pipeline, group: &wgpu::BindGroup, view: &wgpu::TextureView| {
             let mut pass = pass::draw_into(encoder, "prefilter", view, timer.render("prefilter"));
             pass.set_pipeline(pipeline);
@@ -204,18 +212,19 @@ impl Prefilter {
             pass.draw(0..3, 0..1);
         };
         for (groups, views) in source.halves.iter().zip(&source.views[1..]) {
-            groups.iter().zip(views).for_each(|(group, view)| draw(&self.halve, group, view));
+            groups.iter().zip(views).for_each(|(group, view)| draw(&halve, group, view));
         }
         for (groups, views) in source.blurs.iter().zip(into) {
-            groups.iter().zip(views).for_each(|(group, view)| draw(&self.blur, group, view));
+            groups.iter().zip(views).for_each(|(group, view)| draw(&blur, group, view));
         }
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some("project"),
             timestamp_writes: timer.compute("prefilter"),
         });
-        pass.set_pipeline(&self.project);
-        pass.set_bind_group(3, &source.projection, &[]);
-        pass.dispatch_workgroups(1, 1, 1);
+        if self.project.set(&mut pass, "project", &[]) {
+            pass.set_bind_group(3, &source.projection, &[]);
+            pass.dispatch_workgroups(1, 1, 1);
+        }
     }
 }
 

@@ -33,6 +33,10 @@ pub struct Schedule {
     moved: bool,
     /// Counts captures of all probes that share the budget: when its last one was.
     turn: u64,
+    /// Nothing in view reads it.
+    unread: bool,
+    /// It has changed while nothing read it.
+    stale: bool,
     /// Its cubemap holds a capture.
     pub taken: bool,
 }
@@ -53,8 +57,8 @@ impl Schedule {
     }
 
     /// The cubemap came from elsewhere and stays.
-    pub fn keep(&mut self, seen: Seen) {
-        *self = Self { seen: Some(seen), taken: true, turn: self.turn, ..Self::default() };
+    pub fn keep(&mut self) {
+        *self = Self { seen: self.seen, taken: true, turn: self.turn, ..Self::default() };
     }
 
     /// Captured, and no capture is due.
@@ -70,7 +74,14 @@ impl Schedule {
         }
     }
 
-    pub fn follow(&mut self, refresh: Refresh, now: Seen) {
+    /// What it shows now.
+    pub fn seen(&self) -> Seen {
+        self.seen.unwrap_or_default()
+    }
+
+    /// `read`: something in view shows it. Else it waits, and is captured at once when it is read again.
+    pub fn follow(&mut self, refresh: Refresh, now: Seen, read: bool) {
+        self.unread = !read && self.taken && refresh != Refresh::Baked;
         let Some(seen) = self.seen.replace(now) else {
             self.rounds = MOST_ROUNDS;
             return;
@@ -90,12 +101,17 @@ impl Schedule {
             // It stands still: what static mirrors show of it is caught up with.
             (self.rounds, self.on_top, self.moved) = (MOST_ROUNDS, false, false);
         }
+        self.stale |= self.unread && (self.rounds > 0 || self.face > 0);
+        if self.stale {
+            // Faces of before are of another light.
+            self.face = 0;
+        }
     }
 
     /// What faces are due, by what the probe says.
     fn faces(&self, probe: usize, faces: Faces) -> Due {
         let end = match faces {
-            Faces::Sliced if self.taken => self.face + 1,
+            Faces::Sliced if self.taken && !self.stale => self.face + 1,
             // The first picture has reflections, too.
             _ => 6,
         };
@@ -106,6 +122,7 @@ impl Schedule {
     pub fn took(&mut self, due: &Due) -> bool {
         self.face = due.end % 6;
         let complete = due.end == 6;
+        self.stale = false;
         self.rounds -= u32::from(complete && self.rounds > 0);
         self.taken |= complete;
         complete
@@ -120,11 +137,11 @@ pub fn plan(probes: &mut [(&ReflectionProbe, &mut Schedule)], settled: bool) -> 
     for (index, (settings, schedule)) in probes.iter_mut().enumerate() {
         let due = schedule.rounds > 0 || schedule.face > 0;
         let early = settings.refresh == Refresh::Baked && schedule.taken && !settled;
-        if !due || early {
+        if !due || early || schedule.unread {
             continue;
         }
         let faces = schedule.faces(index, settings.faces);
-        if settings.refresh == Refresh::EveryFrame || !schedule.taken {
+        if settings.refresh == Refresh::EveryFrame || !schedule.taken || schedule.stale {
             plan.push(faces);
         } else {
             waiting.push((schedule.turn, faces));
@@ -164,7 +181,7 @@ mod tests {
         let mut schedules = vec![Schedule::default(); settings.len()];
         let frame = |frame: u64| {
             for (schedule, settings) in schedules.iter_mut().zip(settings) {
-                schedule.follow(settings.refresh, seen(frame));
+                schedule.follow(settings.refresh, seen(frame), true);
             }
             let mut probes: Vec<_> = settings.iter().zip(schedules.iter_mut()).collect();
             let plan = plan(&mut probes, true);
@@ -201,7 +218,7 @@ mod tests {
         let mut on_top = Vec::new();
         for frame in 0..9_u64 {
             let seen = Seen { still: 0, moving: frame.clamp(3, 5) };
-            schedule.follow(settings.refresh, seen);
+            schedule.follow(settings.refresh, seen, true);
             let plan = plan(&mut [(&settings, &mut schedule)], true);
             plan.iter().for_each(|due| took(&mut schedule, due, seen));
             on_top.push(plan.first().map(|due| due.on_top));
@@ -212,13 +229,36 @@ mod tests {
     }
 
     #[test]
+    fn what_nothing_reads_waits_and_is_captured_at_once_when_it_is_read_again() {
+        let settings = vec![probe(Refresh::OnChange, Faces::Sliced); 5];
+        let mut schedules = vec![Schedule::default(); 5];
+        let mut faces = Vec::new();
+        for frame in 0..12_u64 {
+            // Light changes all the time; from the third frame to the eighth nobody looks.
+            let seen = Seen { still: frame, moving: 0 };
+            schedules.iter_mut().for_each(|schedule| {
+                schedule.follow(Refresh::OnChange, seen, !(3..9).contains(&frame));
+            });
+            let mut probes: Vec<_> = settings.iter().zip(schedules.iter_mut()).collect();
+            let plan = plan(&mut probes, true);
+            plan.iter().for_each(|due| {
+                schedules[due.probe].took(due);
+            });
+            faces.push(plan.iter().map(|due| due.end - due.first).sum::<usize>());
+        }
+        assert_eq!(faces[3..9], [0; 6]);
+        // Whole cubemaps, in spite of slices and budget.
+        assert_eq!(faces[9], 5 * 6);
+    }
+
+    #[test]
     fn probes_beyond_the_budget_take_turns() {
         let settings = vec![probe(Refresh::OnChange, Faces::AllAtOnce); 5];
         let mut schedules = vec![Schedule::default(); 5];
         let mut taken = vec![0; 5];
         for frame in 0..21 {
             for schedule in &mut schedules {
-                schedule.follow(Refresh::OnChange, Seen { still: frame, moving: 0 });
+                schedule.follow(Refresh::OnChange, Seen { still: frame, moving: 0 }, true);
             }
             let mut probes: Vec<_> = settings.iter().zip(schedules.iter_mut()).collect();
             let plan = plan(&mut probes, true);

@@ -11,8 +11,8 @@ use crate::gpu::buffer::Readback;
 const TOLERANCE: f32 = 2e-4;
 
 pub struct Settling {
-    /// Probes that were captured, and what they saw.
-    readback: Readback<(Vec<usize>, Seen)>,
+    /// Probes that were captured, and what each saw.
+    readback: Readback<Vec<(usize, Seen)>>,
     sending: Option<usize>,
     /// By probe: what its last capture came to.
     last: Vec<Option<[Vec4; 9]>>,
@@ -28,7 +28,7 @@ impl Settling {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         harmonics: &wgpu::Buffer,
-        tag: (Vec<usize>, Seen),
+        tag: Vec<(usize, Seen)>,
     ) {
         self.sending = self.readback.copy(encoder, harmonics, tag);
     }
@@ -41,8 +41,8 @@ impl Settling {
     /// Probes whose last two captures are the same, with what they saw.
     pub fn settled(&mut self) -> Vec<(usize, Seen)> {
         let mut settled = Vec::new();
-        for ((probes, seen), harmonics) in self.readback.receive::<Vec4>() {
-            for probe in probes {
+        for (probes, harmonics) in self.readback.receive::<Vec4>() {
+            for (probe, seen) in probes {
                 // Cubemap 0 is the sky's.
                 let found = harmonics.get((probe + 1) * 9..).and_then(|rest| rest.first_chunk::<9>());
                 let (Some(found), Some(last)) = (found, self.last.get_mut(probe)) else { continue };

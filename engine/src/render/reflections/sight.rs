@@ -1,5 +1,7 @@
 //! Where a cubemap may be taken: not inside a solid, and with a near plane before the nearest wall.
 
+use std::collections::BTreeSet;
+
 use glam::Vec3;
 
 use crate::transport::{NONE, Occluders, Transport, sky};
@@ -9,6 +11,8 @@ use crate::transport::{NONE, Occluders, Transport, sky};
 pub struct Sight {
     /// Metres.
     pub nearest: f32,
+    /// Likewise; infinite where it sees out of the scene.
+    pub farthest: f32,
     /// Of the rays, what meets the back of a one-sided surface.
     pub backs: f32,
     /// For a place inside a solid: one outside.
@@ -32,10 +36,23 @@ pub fn look_around(transport: &Transport, occluders: &Occluders, at: Vec3) -> Si
     sight
 }
 
+/// Batches of the static surface that are seen from a place, by rays all around.
+pub fn seen_batches(transport: &Transport, occluders: &Occluders, at: Vec3) -> Vec<usize> {
+    let hit = |patch| occluders.nearest(at, sky::direction_in(patch, 0.5, 0.5));
+    let hit: BTreeSet<u32> = (0..sky::COUNT).filter_map(hit).map(|hit| hit.triangle).collect();
+    let is_seen = |first: u32, count: u32| hit.range(first..first + count).next().is_some();
+    let batches = transport.surface.batches.iter().enumerate();
+    batches.filter(|(_, batch)| is_seen(batch.first, batch.count)).map(|(index, _)| index).collect()
+}
+
 fn around(transport: &Transport, occluders: &Occluders, at: Vec3) -> Sight {
-    let mut sight = Sight { nearest: f32::INFINITY, backs: 0.0, better: None };
+    let mut sight = Sight { nearest: f32::INFINITY, farthest: 0.0, backs: 0.0, better: None };
     for patch in 0..sky::COUNT {
-        let Some(hit) = occluders.nearest(at, sky::direction_in(patch, 0.5, 0.5)) else { continue };
+        let Some(hit) = occluders.nearest(at, sky::direction_in(patch, 0.5, 0.5)) else {
+            sight.farthest = f32::INFINITY;
+            continue;
+        };
+        sight.farthest = sight.farthest.max(hit.distance);
         sight.nearest = sight.nearest.min(hit.distance);
         let behind = !hit.front && transport.surface.patches[hit.triangle as usize][1] == NONE;
         sight.backs += f32::from(u8::from(behind)) / sky::COUNT as f32;

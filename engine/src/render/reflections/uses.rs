@@ -66,6 +66,13 @@ pub const NOTHING: ReflectionUse = ReflectionUse {
     padding: [0; 42],
 };
 
+impl ReflectionUse {
+    /// The probes that are read.
+    pub fn all(&self) -> impl Iterator<Item = usize> + use<> {
+        self.probes.into_iter().take(self.count as usize).map(|probe| probe as usize)
+    }
+}
+
 impl Ranked {
     pub fn new(probes: Vec<(EntityId, Influence)>) -> Self {
         let (entities, influences): (Vec<_>, Vec<_>) = probes.into_iter().unzip();
@@ -165,6 +172,7 @@ mod tests {
             material: 0,
             pass: Pass::Opaque,
             double_sided: false,
+            bumped: false,
             mirrored: false,
             shown: true,
             casts: true,

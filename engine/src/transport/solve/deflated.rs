@@ -82,11 +82,11 @@ impl Deflation {
         let m = self.c.len();
         self.sums.fill(0.0);
         self.held.fill(0.0);
-        for i in 0..r.len() {
-            let weighted = r[i] * self.weights[i];
+        for (i, &r) in r.iter().enumerate() {
+            let weighted = r * self.weights[i];
             self.sums.iter_mut().zip(&self.q[i * m..][..m]).for_each(|(sum, q)| *sum -= weighted * q);
             if self.aggregates[i] != NONE {
-                self.held[self.aggregates[i] as usize] += self.restricts[i] * r[i];
+                self.held[self.aggregates[i] as usize] += self.restricts[i] * r;
             }
         }
         self.sums.iter_mut().zip(&self.held).for_each(|(sum, held)| *sum += held);

@@ -1,0 +1,353 @@
+//! What shines, how freely it may change, and what follows: whether light is solved while the scene plays, and whether
+//! it has a colour.
+//!
+//! Only what shines is asked how it changes. Albedo may be marked as free, too, but nothing in the player changes it, and
+//! an albedo that changed in the file makes a bake's omission stale ([`super::relied_on`]).
+
+use glam::Vec3;
+
+use super::look::{Look, entities, listed, told};
+use super::saving::VECTOR;
+use super::{Finding, Saving};
+use crate::scene::assets::{Picture, Pixels};
+use crate::scene::{Changes, Emission, Entity, EntityId, Light, Material, SkyKind, Texture};
+
+/// Something that light comes from.
+pub struct Source {
+    /// "light `lamp`".
+    pub name: String,
+    pub entities: Vec<EntityId>,
+    pub changes: Changes,
+}
+
+/// All that may shine onto static surfaces: lights, emitters, the sky.
+pub fn sources(look: &Look<'_>) -> Vec<Source> {
+    let lights = lights(look).map(|(_, entity, light)| Source {
+        name: format!("light `{}`", entity.name),
+        entities: vec![entity.id],
+        changes: changes_of(light),
+    });
+    let emitters = emitters(look).into_iter().map(|(material, entities)| Source {
+        name: format!("material `{}`", material.name),
+        entities,
+        changes: material.emission.changes,
+    });
+    let sky = &look.scene.sky;
+    let sky = sky_shines(look).then(|| Source {
+        name: "the sky".to_owned(),
+        entities: Vec::new(),
+        changes: sky.changes,
+    });
+    lights.chain(emitters).chain(sky).collect()
+}
+
+/// Lights that may shine, with their places in the scene.
+pub fn lights<'l>(look: &'l Look<'_>) -> impl Iterator<Item = (usize, &'l Entity, &'l Light)> {
+    let lights = look.visible().filter_map(|(index, entity)| Some((index, entity, entity.light.as_ref()?)));
+    lights.filter(|(_, _, light)| may_shine(light))
+}
+
+/// Is on, or may be switched on.
+pub fn may_shine(light: &Light) -> bool {
+    match light.changes {
+        Changes::Anything => true,
+        Changes::Intensity => light.color.max_element() > 0.0,
+        Changes::Never => light.power().max_element() > 0.0,
+    }
+}
+
+/// What a light's clock does is a change of its brightness.
+pub fn changes_of(light: &Light) -> Changes {
+    match light.changes {
+        Changes::Never if light.switching.is_some() => Changes::Intensity,
+        changes => changes,
+    }
+}
+
+/// Emits now, or will when its brightness changes. One that is dark and marked free is no emitter: all materials are.
+pub fn emits(material: &Material) -> bool {
+    let Emission { color, strength, changes, .. } = &material.emission;
+    let strength = if *changes == Changes::Intensity { strength.max(1.0) } else { *strength };
+    !material.unlit && (*color * strength).max_element() > 0.0
+}
+
+/// Materials of static surfaces that emit, with what has them. What moves does not light anything.
+fn emitters<'a>(look: &Look<'a>) -> Vec<(&'a Material, Vec<EntityId>)> {
+    let having =
+        |material: &Material| entities(&look.with_material(look.still(), |other| other.id == material.id)).1;
+    let emitting = look.scene.materials.iter().filter(|material| emits(material));
+    emitting.map(|material| (material, having(material))).filter(|(_, having)| !having.is_empty()).collect()
+}
+
+pub fn sky_shines(look: &Look<'_>) -> bool {
+    let sky = &look.scene.sky;
+    let dark = match &sky.kind {
+        SkyKind::None => return false,
+        SkyKind::Constant { radiance } => *radiance == Vec3::ZERO,
+        SkyKind::Gradient { zenith, horizon, ground, .. } => [*zenith, *horizon, *ground] == [Vec3::ZERO; 3],
+        SkyKind::Picture { strength, .. } => *strength == 0.0 && sky.changes == Changes::Never,
+    };
+    look.has(crate::scene::Feature::Sky) && (sky.changes == Changes::Anything || !dark)
+}
+
+/// Light is solved while the scene plays: something that shines may change in more than its brightness, a light moves,
+/// or what moves casts shadows of one onto static surfaces, which patches show as surfaces do.
+pub fn matrix(look: &Look<'_>) -> Finding {
+    let saving = matrix_saving(look);
+    let sources = sources(look);
+    if sources.is_empty() {
+        return Finding::not_needed("nothing shines").saves(saving);
+    }
+    if look.still().next().is_none() {
+        return Finding::not_needed("no surface is static").saves(saving);
+    }
+    let free: Vec<&Source> = sources.iter().filter(|source| source.changes == Changes::Anything).collect();
+    if !free.is_empty() {
+        return Finding::needed(format!("{} may change freely", names(&free)), ids(&free)).saves(saving);
+    }
+    let carried = lights(look).filter(|(index, ..)| look.carried[*index]);
+    let (moving, moved) = told(carried.map(|(_, entity, _)| entity));
+    if !moved.is_empty() {
+        return Finding::needed(format!("light {moving} moves"), moved).saves(saving);
+    }
+    if let Some(shadowed) = moving_shadows(look) {
+        return shadowed.saves(saving);
+    }
+    let dimmed: Vec<&Source> = sources.iter().filter(|source| source.changes == Changes::Intensity).collect();
+    let why = if dimmed.is_empty() {
+        "nothing that shines ever changes".to_owned()
+    } else {
+        format!("only the brightness of {} may change", names(&dimmed))
+    };
+    let all: Vec<&Source> = sources.iter().collect();
+    Finding::not_needed(why).led_to(ids(&all)).saves(saving)
+}
+
+/// Of what moves, in the light of a lamp that casts.
+fn moving_shadows(look: &Look<'_>) -> Option<Finding> {
+    let (lights, mut lamps) =
+        told(lights(look).filter(|(.., light)| light.casts_shadows).map(|(_, entity, _)| entity));
+    let casters: Vec<_> = look.movers().filter(|mover| mover.renderer.casts_shadows).collect();
+    let (movers, moving) = entities(&casters);
+    if lamps.is_empty() || moving.is_empty() {
+        return None;
+    }
+    lamps.extend(moving);
+    Some(Finding::needed(format!("{movers} may move and casts shadows in the light of {lights}"), lamps))
+}
+
+fn names(sources: &[&Source]) -> String {
+    listed(&sources.iter().map(|source| source.name.clone()).collect::<Vec<_>>())
+}
+
+fn ids(sources: &[&Source]) -> Vec<EntityId> {
+    sources.iter().flat_map(|source| source.entities.iter().copied()).collect()
+}
+
+/// Rows of patches, read by two products a frame; and what a product works on.
+fn matrix_saving(look: &Look<'_>) -> Saving {
+    let sizes = &look.sizes;
+    let light = 4 * VECTOR * (sizes.patches + sizes.sky_patches);
+    sizes.of_patches.saving(&look.cost, 2.0) + look.cost.memory(light, light)
+}
+
+/// Something static, a light or the sky is not grey, or may become so.
+pub fn colour(look: &Look<'_>) -> Finding {
+    // One channel of sixteen bytes' vectors of three: what is solved and gathered.
+    let sizes = &look.sizes;
+    let vectors = 7 * sizes.patches + 2 * sizes.receivers + 18 * sizes.probes + 3 * sizes.sky_patches;
+    let saving = look.cost.memory(12 * vectors, 12 * vectors);
+    let found = coloured_source(look).or_else(|| coloured_surface(look));
+    found
+        .unwrap_or_else(|| Finding::not_needed("all albedo and all that shines is grey and stays so"))
+        .saves(saving)
+}
+
+fn coloured_source(look: &Look<'_>) -> Option<Finding> {
+    let free = sources(look).into_iter().find(|source| source.changes == Changes::Anything);
+    if let Some(Source { name, entities, .. }) = free {
+        return Some(Finding::needed(format!("{name} may take any colour"), entities));
+    }
+    if let Some((_, entity, _)) = lights(look).find(|(.., light)| !is_grey(light.color)) {
+        return Some(Finding::needed(format!("light `{}` is coloured", entity.name), vec![entity.id]));
+    }
+    let is_coloured = |material: &Material| {
+        !is_grey(material.emission.color) || is_picture_coloured(look, &material.emission.texture)
+    };
+    if let Some((material, entities)) = emitters(look).into_iter().find(|(material, _)| is_coloured(material))
+    {
+        return Some(Finding::needed(
+            format!("the emission of material `{}` is coloured", material.name),
+            entities,
+        ));
+    }
+    let is_coloured = match &look.scene.sky.kind {
+        SkyKind::None => false,
+        SkyKind::Constant { radiance } => !is_grey(*radiance),
+        SkyKind::Gradient { zenith, horizon, ground, .. } => {
+            ![*zenith, *horizon, *ground].into_iter().all(is_grey)
+        }
+        SkyKind::Picture { image, .. } => {
+            look.assets.images.get(image).is_some_and(|picture| !is_grey_picture(picture))
+        }
+    };
+    (is_coloured && sky_shines(look)).then(|| Finding::needed("the sky is coloured", Vec::new()))
+}
+
+/// After the bake by what patches hold, before it by materials, pictures and colours of vertices.
+fn coloured_surface(look: &Look<'_>) -> Option<Finding> {
+    if let (Some(transport), Some(materials)) = (look.transport, look.patch_materials()) {
+        let patch = materials.albedo.iter().position(|&albedo| !is_grey(albedo))?;
+        let entity = transport.surface.batches[transport.patches[patch].batch as usize].entity();
+        return Some(Finding::needed(format!("`{}` is coloured", look.name(entity)), vec![entity]));
+    }
+    let is_coloured = |material: &Material| {
+        !material.unlit
+            && (!is_grey(material.albedo.color) || is_picture_coloured(look, &material.albedo.texture))
+    };
+    let painted = look.still().find(|drawn| {
+        let mesh = look.assets.meshes.get(&drawn.renderer.mesh);
+        let colors = mesh.and_then(|mesh| mesh.colors.as_ref());
+        colors.is_some_and(|colors| colors.iter().any(|color| !is_grey(color.truncate())))
+    });
+    let found = painted.or_else(|| look.with_material(look.still(), is_coloured).first().copied())?;
+    Some(Finding::needed(format!("`{}` is coloured", found.entity.name), vec![found.entity.id]))
+}
+
+fn is_grey(color: Vec3) -> bool {
+    color.x == color.y && color.y == color.z
+}
+
+fn is_picture_coloured(look: &Look<'_>, texture: &Option<Texture>) -> bool {
+    let picture = texture.as_ref().and_then(|texture| look.assets.images.get(&texture.image));
+    picture.is_some_and(|picture| !is_grey_picture(picture))
+}
+
+fn is_grey_picture(picture: &Picture) -> bool {
+    match &picture.pixels {
+        Pixels::Rgba8(pixels) => pixels.iter().all(|[r, g, b, _]| r == g && g == b),
+        Pixels::Rgb32f(pixels) => pixels.iter().all(|&pixel| is_grey(Vec3::from(pixel))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::made::{
+        ball, constant, emitter, forced, gradient, lamp, material, moved, never, scene, wall, with,
+    };
+    use super::*;
+    use crate::scene::assets::Assets;
+    use crate::scene::{Albedo, Scene, Sky, Switching};
+
+    fn found(rule: fn(&Look<'_>) -> Finding, scene: &Scene) -> Finding {
+        let (assets, forced) = (Assets::default(), forced());
+        rule(&Look::at_scene(scene, &assets, &forced))
+    }
+
+    /// A wall and a lamp that never changes.
+    fn room() -> Scene {
+        scene(vec![wall(1), lamp(2, never())])
+    }
+
+    #[test]
+    fn where_nothing_that_shines_ever_changes_there_is_nothing_to_solve() {
+        let still = found(matrix, &room());
+        assert!(!still.needed && still.why == "nothing that shines ever changes", "{still:?}");
+        let dark = found(matrix, &scene(vec![wall(1)]));
+        assert!(!dark.needed && dark.why == "nothing shines");
+    }
+
+    #[test]
+    fn one_free_source_needs_the_matrix_and_is_named() {
+        let free = Light { changes: Changes::Anything, ..never() };
+        let by_light = found(matrix, &scene(vec![wall(1), lamp(2, free)]));
+        assert!(by_light.needed && by_light.why == "light `e2` may change freely", "{by_light:?}");
+        let mut by_emitter = room();
+        by_emitter.materials = vec![emitter(0, Changes::Anything)];
+        assert!(found(matrix, &by_emitter).why.starts_with("material `m0`"));
+        let mut by_sky = room();
+        by_sky.sky = Sky { kind: constant(), changes: Changes::Anything };
+        assert_eq!(found(matrix, &by_sky).why, "the sky may change freely");
+    }
+
+    #[test]
+    fn what_changes_in_brightness_alone_and_what_the_clock_switches_is_no_reason() {
+        let dimmed = Light { changes: Changes::Intensity, ..never() };
+        let by_clock =
+            Light { switching: Some(Switching { period: 1.0, on_share: 0.5, offset: 0.0 }), ..never() };
+        for light in [dimmed, by_clock] {
+            let found = found(matrix, &scene(vec![wall(1), lamp(2, light)]));
+            assert!(
+                !found.needed && found.why == "only the brightness of light `e2` may change",
+                "{found:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_free_albedo_and_a_dark_free_emission_are_no_reason() {
+        let mut scene = room();
+        scene.materials = vec![material(0)];
+        assert_eq!(scene.materials[0].albedo.changes, Changes::Anything);
+        assert_eq!(scene.materials[0].emission.changes, Changes::Anything);
+        assert!(!found(matrix, &scene).needed);
+    }
+
+    #[test]
+    fn a_light_that_is_carried_about_needs_the_matrix() {
+        let moving = found(matrix, &scene(vec![wall(1), moved(lamp(2, never()))]));
+        assert!(moving.needed && moving.why == "light `e2` moves");
+        let cart = moved(Entity { id: EntityId(3), ..Entity::default() });
+        let carried = Entity { parent: Some(EntityId(3)), ..lamp(2, never()) };
+        assert!(found(matrix, &scene(vec![wall(1), cart, carried])).needed);
+    }
+
+    #[test]
+    fn shadows_of_what_moves_need_the_matrix() {
+        let with_ball = |light| scene(vec![wall(1), lamp(2, light), ball(3)]);
+        let shadowed = found(matrix, &with_ball(never()));
+        assert!(shadowed.needed && shadowed.entities == [EntityId(2), EntityId(3)], "{shadowed:?}");
+        assert!(!found(matrix, &with_ball(Light { casts_shadows: false, ..never() })).needed);
+        let mut ghost = with_ball(never());
+        ghost.entities[2].mesh.iter_mut().for_each(|renderer| renderer.casts_shadows = false);
+        assert!(!found(matrix, &ghost).needed);
+    }
+
+    #[test]
+    fn what_is_hidden_shines_on_nothing() {
+        let free = Entity { hidden: true, ..lamp(2, Light::default()) };
+        assert_eq!(found(matrix, &scene(vec![wall(1), free])).why, "nothing shines");
+    }
+
+    #[test]
+    fn a_grey_scene_has_one_channel() {
+        let grey = found(colour, &room());
+        assert!(!grey.needed, "{grey:?}");
+        let mut scene = room();
+        scene.sky = Sky { kind: constant(), changes: Changes::Never };
+        assert!(!found(colour, &scene).needed);
+    }
+
+    #[test]
+    fn any_colour_anywhere_that_light_meets_needs_three() {
+        let red = Vec3::new(1.0, 0.0, 0.0);
+        let lamp_of = |light| scene(vec![wall(1), lamp(2, light)]);
+        assert!(found(colour, &lamp_of(Light { color: red, ..never() })).needed);
+        assert!(found(colour, &lamp_of(Light { changes: Changes::Anything, ..never() })).needed);
+        let mut walls = room();
+        walls.materials =
+            vec![Material { albedo: Albedo { color: red, ..Albedo::default() }, ..material(0) }];
+        assert_eq!(found(colour, &walls).entities, [EntityId(1)]);
+        walls.entities.push(with(ball(3), 1));
+        walls.materials[0].id = crate::scene::MaterialId(1);
+        assert!(!found(colour, &walls).needed, "what moves takes no part in light");
+        let mut glowing = room();
+        glowing.materials = vec![emitter(0, Changes::Never)];
+        assert!(!found(colour, &glowing).needed);
+        glowing.materials[0].emission.color = red;
+        assert!(found(colour, &glowing).needed);
+        let mut under = room();
+        under.sky = Sky { kind: gradient(), changes: Changes::Never };
+        assert_eq!(found(colour, &under).why, "the sky is coloured");
+    }
+}
