@@ -11,7 +11,7 @@ use std::sync::mpsc::Receiver;
 use eframe::egui;
 use eframe::egui_wgpu::RenderState;
 use egui::{CentralPanel, Panel, Ui, ViewportCommand};
-use engine::render::{RenderError, Settings};
+use engine::render::RenderError;
 use engine::scene::EntityId;
 use engine::scene::assets::Assets;
 
@@ -90,10 +90,9 @@ impl Editor {
         odd.into_iter().for_each(|odd| log.warning(Source::Nothing, odd));
         let layout =
             preferences.layout.as_deref().and_then(layout::read).unwrap_or_else(layout::default_layout);
-        let Opened { document, assets, shown, baked, cubemaps, unlimited_gain, warnings } = opened;
+        let Opened { document, assets, shown, baked, cubemaps, settings, features, warnings } = opened;
         log.warnings(&warnings, document.scene());
-        let settings = Settings { unlimited_gain, ..Settings::default() };
-        let mut stage = Stage::new(state, shown.clone(), &assets, settings)?;
+        let mut stage = Stage::new(state, shown.clone(), &assets, (settings, features))?;
         stage.renderer.give_cubemaps(cubemaps);
         let mut baking = Baking::default();
         baked.into_iter().for_each(|baked| baking.show(baked));

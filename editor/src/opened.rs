@@ -5,11 +5,13 @@ use std::path::Path;
 use std::sync::Arc;
 
 use engine::play::World;
+use engine::render::{Asked, Settings};
 use engine::scene::assets::Assets;
 use engine::scene::import::load_assets;
 use engine::scene::{EntityId, SceneError, Warning};
 use engine::transport::Transport;
 use engine::transport::reflection::Cube;
+use glam::DVec3;
 
 use crate::baking::{self, Baked};
 use crate::document::Document;
@@ -17,11 +19,13 @@ use crate::document::Document;
 pub struct Opened {
     pub document: Document,
     pub assets: Arc<Assets>,
-    /// The bake without what is stale of it.
+    /// The full bake without what is stale of it: what the player's file leaves out an edit may ask for at any time.
     pub shown: Arc<Transport>,
     pub baked: Option<Baked>,
     pub cubemaps: HashMap<EntityId, Cube>,
-    pub unlimited_gain: bool,
+    pub settings: Settings,
+    /// What the author says of features.
+    pub features: Asked,
     /// For the console.
     pub warnings: Vec<Warning>,
 }
@@ -34,24 +38,30 @@ impl Opened {
             Ok((world, more)) => {
                 warnings.extend(more);
                 let cubemaps = world.cubemaps.load(&world.scene);
-                let World { assets, transport: shown, unlimited_gain, .. } = world;
-                let loaded =
-                    baking::load(&document, &assets);
+                let World { assets, transport, unlimited_gain, features, .. } = world;
+                let loaded = baking::load(&document, &assets);
                 let baked = loaded.unwrap_or_else(|error| {
                     warnings.push(Warning::new(document.name(), error));
                     None
                 });
+                let fitting = baked.as_ref().and_then(Baked::fitting);
+                let shown = fitting.unwrap_or_else(|| Arc::new(without_light(transport.origin)));
+                let settings = Settings { unlimited_gain, ..Settings::default() };
                 let assets = Arc::new(assets);
-                Ok(Self { document, assets, shown, baked, cubemaps, unlimited_gain, warnings })
+                Ok(Self { document, assets, shown, baked, cubemaps, settings, features, warnings })
             }
             Err(error) => {
                 warnings.push(Warning::new(document.name(), error.to_string()));
                 let (assets, more) = load_assets(project, document.scene())?;
                 warnings.extend(more);
-                let (shown, cubemaps) = Default::default();
+                let (shown, cubemaps, settings, features) = Default::default();
                 let assets = Arc::new(assets);
-                Ok(Self { document, assets, shown, baked: None, cubemaps, unlimited_gain: false, warnings })
+                Ok(Self { document, assets, shown, baked: None, cubemaps, settings, features, warnings })
             }
         }
     }
+}
+
+fn without_light(origin: DVec3) -> Transport {
+    Transport { origin, ..Transport::default() }
 }

@@ -13,7 +13,7 @@ use eframe::{egui, wgpu};
 use egui::{TextureId, Vec2};
 use engine::gpu::{Gpu, texture};
 use engine::render::outline::Marks;
-use engine::render::{Drawn, Eye, Now, RenderError, Renderer, Settings, View};
+use engine::render::{Asked, Drawn, Eye, Now, RenderError, Renderer, Settings, View};
 use engine::scene::assets::Assets;
 use engine::transport::Transport;
 use glam::DVec3;
@@ -30,6 +30,8 @@ pub struct Stage {
     pub renderer: Renderer,
     transport: Arc<Transport>,
     settings: Settings,
+    /// What the author says of features.
+    features: Asked,
 }
 
 impl Stage {
@@ -37,12 +39,12 @@ impl Stage {
         state: &RenderState,
         transport: Arc<Transport>,
         assets: &Assets,
-        settings: Settings,
+        (settings, features): (Settings, Asked),
     ) -> Result<Self, RenderError> {
         let gpu = Gpu::from_device(state.adapter.clone(), state.device.clone(), state.queue.clone())?;
         let gpu = Arc::new(gpu);
-        let renderer = Renderer::new(gpu.clone(), transport.clone(), assets, settings)?;
-        Ok(Self { state: state.clone(), gpu, renderer, transport, settings })
+        let renderer = Renderer::asked(gpu.clone(), transport.clone(), assets, settings, features.clone())?;
+        Ok(Self { state: state.clone(), gpu, renderer, transport, settings, features })
     }
 
     pub fn gpu(&self) -> &Gpu {
@@ -60,7 +62,9 @@ impl Stage {
 
     /// Another bake lights the scene from now on.
     pub fn relight(&mut self, transport: Arc<Transport>, assets: &Assets) -> Result<(), RenderError> {
-        self.renderer = Renderer::new(self.gpu.clone(), transport.clone(), assets, self.settings)?;
+        let features = self.features.clone();
+        self.renderer =
+            Renderer::asked(self.gpu.clone(), transport.clone(), assets, self.settings, features)?;
         self.transport = transport;
         Ok(())
     }

@@ -5,7 +5,6 @@ use std::sync::mpsc;
 
 use eframe::egui;
 use egui::{Modal, RichText, Ui, ViewportCommand};
-use engine::render::Settings;
 
 use super::Editor;
 use crate::baking::Baking;
@@ -150,9 +149,8 @@ impl Editor {
     }
 
     fn replace(&mut self, opened: Opened, ui: &Ui) {
-        let Opened { document, assets, shown, baked, cubemaps, unlimited_gain, warnings } = opened;
-        let settings = Settings { unlimited_gain, ..Settings::default() };
-        match Stage::new(&self.state, shown.clone(), &assets, settings) {
+        let Opened { document, assets, shown, baked, cubemaps, settings, features, warnings } = opened;
+        match Stage::new(&self.state, shown.clone(), &assets, (settings, features)) {
             Ok(stage) => self.stage = stage,
             Err(error) => return self.session.log.error(Source::Nothing, error.to_string()),
         }

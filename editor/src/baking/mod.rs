@@ -44,6 +44,21 @@ pub struct Baked {
     differs: Difference,
 }
 
+impl Baked {
+    /// Without what is stale of it, as the player leaves it out. `None`: nothing can be told of it.
+    pub fn fitting(&self) -> Option<Arc<Transport>> {
+        if self.transport.certificate.inputs.is_empty() {
+            return None;
+        }
+        if self.differs.is_empty() {
+            return Some(self.transport.clone());
+        }
+        let mut transport = Transport::clone(&self.transport);
+        transport.leave_out(&self.differs);
+        Some(Arc::new(transport))
+    }
+}
+
 /// A thread that works and is asked for its result with every picture.
 struct Job<T> {
     thread: Option<JoinHandle<T>>,

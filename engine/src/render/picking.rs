@@ -137,13 +137,16 @@ impl Picking {
         mask: bool,
         chosen: impl Fn(&Draw) -> bool,
     ) -> u32 {
-        let Some((_, objects)) = self.objects.as_ref().and_then(|objects| objects.bound.as_ref()) else { return 0 };
+        let Some((_, objects)) = self.objects.as_ref().and_then(|objects| objects.bound.as_ref()) else {
+            return 0;
+        };
         let mut draws = 0;
         for (index, draw) in numbered.instances.draws.iter().enumerate() {
             if !draw.shown || draw.indices.is_empty() || !chosen(draw) {
                 continue;
             }
-            let variant = Variant { moving: draw.mesh.is_some(), cull: surface::culled(draw, &Side::Any), mask };
+            let variant =
+                Variant { moving: draw.mesh.is_some(), cull: surface::culled(draw, &Side::Any), mask };
             let made =
                 self.pipelines.get(variant, |gpu, module| pipeline(gpu, module, &self.layout, variant));
             let Some(pipeline) = made else { continue };
