@@ -41,7 +41,9 @@ fn wgsl(module: &Module, name: &str) -> (Vec<(String, u32)>, u32) {
 
 /// Compares the named fields' offsets; `size` is the twin's.
 fn compare(source: engine::gpu::shader::Source, name: &str, fields: &[(&str, usize)], size: usize) {
-    let module = shaders::library().unwrap().compose(source).unwrap();
+    // With all that any scene has of it.
+    let defines = shaders::defines(source.name).pop().unwrap_or_default();
+    let module = shaders::library().unwrap().compose_with(source, &defines).unwrap();
     let (theirs, span) = wgsl(&module, name);
     let ours: Vec<(String, u32)> =
         fields.iter().map(|(name, offset)| ((*name).to_owned(), *offset as u32)).collect();

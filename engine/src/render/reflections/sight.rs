@@ -39,7 +39,7 @@ pub fn look_around(transport: &Transport, occluders: &Occluders, at: Vec3) -> Si
 /// Batches of the static surface that are seen from a place, by rays all around.
 pub fn seen_batches(transport: &Transport, occluders: &Occluders, at: Vec3) -> Vec<usize> {
     let hit = |patch| occluders.nearest(at, sky::direction_in(patch, 0.5, 0.5));
-    let hit: BTreeSet<u32> = (0..sky::COUNT).filter_map(hit).map(|hit| hit.triangle as u32).collect();
+    let hit: BTreeSet<u32> = (0..sky::COUNT).filter_map(hit).map(|hit| hit.triangle).collect();
     let is_seen = |first: u32, count: u32| hit.range(first..first + count).next().is_some();
     let batches = transport.surface.batches.iter().enumerate();
     batches.filter(|(_, batch)| is_seen(batch.first, batch.count)).map(|(index, _)| index).collect()
