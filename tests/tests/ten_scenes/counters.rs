@@ -28,7 +28,10 @@ pub fn is_gone(feature: Feature, played: &Played, full: &Played) -> bool {
                 && played.moving.transport_dispatches == 0
                 && played.steady.transport_dispatches == 0
         }
-        Feature::Colour => played.bytes["light"] < full.bytes["light"],
+        Feature::Colour => played.sections.keys().all(|name| {
+            let of_response = name.starts_with("solved.");
+            !of_response || name.ends_with(".grey")
+        }),
         Feature::CoarseCorrection => none("coarse correction"),
         Feature::Columns => played.section("patch.columns") == 0,
         Feature::Holes => !played.compiled("holes"),

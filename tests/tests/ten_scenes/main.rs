@@ -43,7 +43,7 @@ fn expected(name: &str) -> Expected {
         "lights that never change" => (&[Matrix, CoarseCorrection, Columns], &[], &[Matrix]),
         "a lamp that moves" => (&[], &[], &[LightProbes]),
         "a ball that moves" => (&[], &[LightProbes], &[Reflections]),
-        "grey" => (&[Colour], &[], &[Colour]),
+        "grey" => (&[Matrix, CoarseCorrection, Columns, Colour], &[], &[Matrix]),
         "a mirror" => (&[BlackPatches], &[Reflections, Recaptures], &[BlackPatches]),
         "sky alone" => (&[Matrix, CoarseCorrection, Columns, ShadowMaps], &[Sky], &[ShadowMaps, SkyPatches]),
         "black" => (&[BlackPatches], &[], &[BlackPatches]),
