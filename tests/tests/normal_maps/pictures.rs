@@ -6,6 +6,7 @@ use engine::gpu::{Gpu, buffer};
 use engine::render::rows::Summed;
 use engine::render::{Eye, Settings, View};
 use engine::scene::assets::Assets;
+use engine::scene::file::{Project, save_project};
 use engine::scene::import::load_assets;
 use engine::scene::shape::Shape;
 use engine::scene::{Changes, Entity, EntityId, LightProbeGroup, MaterialId, Scene, Transform};
@@ -180,6 +181,7 @@ fn without_normal_maps_nothing_is_held_or_dispatched_for_them() {
 #[test]
 fn light_that_was_solved_at_the_bake_is_tilted_alike() {
     let project = walls();
+    save_project(project.path(), &Project::default()).unwrap(); // where nothing is forced
     let map = paint(project.path(), "assets/bumps.png", 64, bumps);
     let mut scene = wear(&project, BEHIND, map);
     for material in &mut scene.materials {
