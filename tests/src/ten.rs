@@ -166,7 +166,7 @@ pub fn sky_alone() -> Scene {
     built.material("ground", WARM);
     built.material("block", BLUE);
     built.mesh("ground", Shape::Plane, placed(DVec3::ZERO, 6.0), 0);
-    built.mesh("block", Shape::Cube, placed(at(0.6, 0.5, -0.5), 1.0), 1);
+    built.mesh("block", Shape::Cube, placed(at(0.6, 0.8, -0.5), 1.0), 1);
     built.camera(at(-2.0, 1.8, 2.4), at(0.3, 0.4, -0.4));
     let kind = SkyKind::Constant { radiance: Vec3::new(0.4, 0.6, 1.0) };
     built.scene.sky = Sky { kind, changes: Changes::Intensity };
