@@ -206,7 +206,8 @@ pub fn everything() -> Scene {
     let switching = Some(Switching { period: 3.0, on_share: 0.5, offset: 0.0 });
     lamp.light.iter_mut().for_each(|light| light.switching = switching);
     let chrome = built.material("chrome", Vec3::splat(0.9));
-    (chrome.metallic, chrome.roughness) = (1.0, 0.1);
+    // Not quite black to diffuse light.
+    (chrome.metallic, chrome.roughness) = (0.9, 0.1);
     let chrome = chrome.id.0;
     built.mesh("mirror ball", Shape::Sphere, placed(at(-0.5, 0.6, -0.9), 1.0), chrome);
     let bumpy = built.material("bumpy", WARM);
@@ -220,7 +221,7 @@ pub fn everything() -> Scene {
     let glowing = built.material("glowing", Vec3::splat(0.5));
     glowing.emission = Emission { color: Vec3::new(1.0, 0.5, 0.2), strength: 2.0, ..Emission::default() };
     let glowing = glowing.id.0;
-    built.mesh("glow", Shape::Cube, placed(at(1.5, 0.15, 1.4), 0.3), glowing);
+    built.mesh("glow", Shape::Cube, placed(at(1.5, 0.3, 1.4), 0.3), glowing);
     // Out through the ceiling's place.
     built.scene.entities.retain(|entity| entity.name != "room ceiling");
     built.scene.sky = Sky {
