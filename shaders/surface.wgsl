@@ -138,19 +138,19 @@ fn moving(vertex: Moving) -> Point {
 }
 
 /// Irradiance [W/m2].
-struct Light {
+struct Arriving {
     direct: vec3f,
     indirect: vec3f,
 }
 
-fn light_of_object(object: u32, normal: vec3f) -> Light {
+fn light_of_object(object: u32, normal: vec3f) -> Arriving {
     var direct: array<vec3f, 9>;
     var indirect: array<vec3f, 9>;
     for (var k = 0u; k < 9u; k++) {
         direct[k] = objects_direct[object * 9u + k].xyz;
         indirect[k] = objects_indirect[object * 9u + k].xyz;
     }
-    return Light(sh::irradiance(direct, normal), sh::irradiance(indirect, normal));
+    return Arriving(sh::irradiance(direct, normal), sh::irradiance(indirect, normal));
 }
 
 #ifdef NORMAL_MAP

@@ -389,13 +389,14 @@ pub fn plan(project: &Path, scene: Option<&str>, settings: &Settings) -> Result<
         rows as u64 * u64::from(with.rays) + transport.probes.len() as u64 * u64::from(pipeline::PROBE_RAYS);
     let rays = rays + layout.directional as u64 * u64::from(with.rays);
     let kept = if is_current { rays } else { 0 };
-    let (per_ray, per_row) = pipeline::measure(&layout, &opened.scene, &opened.assets, with.rays);
+    let measured = pipeline::measure(&layout, &opened.scene, &opened.assets, with.rays);
     // Entries of patches take eight bytes, others four where columns are few enough.
-    let entries = |rows: usize| rows as f64 * per_row;
+    let entries = |rows: usize| rows as f64 * measured.per_row;
+    let of_probes = 9.0 * transport.probes.len() as f64 * measured.per_probe_row;
     let short = if transport.columns() <= packed::MOST_COLUMNS { 4.0 } else { 8.0 };
     let bytes = entries(transport.patches.len()) * 8.0
-        + entries(transport.receivers.len() + AXES * layout.directional + 9 * transport.probes.len()) * short;
-    let seconds_per_ray = per_ray / rayon::current_num_threads() as f64;
+        + (entries(transport.receivers.len() + AXES * layout.directional) + of_probes) * short;
+    let seconds_per_ray = measured.per_ray / rayon::current_num_threads() as f64;
     let cost = Cost { seconds_per_ray, ..Cost::measured() };
     let full = || file::load_full_uncertified(project, &opened.name);
     let baked = if is_current { Some(full()?) } else { None };
@@ -404,7 +405,7 @@ pub fn plan(project: &Path, scene: Option<&str>, settings: &Settings) -> Result<
         None => Look::at_scene(&opened.authored, &opened.assets, opened.forced()).sized(sizes(
             transport,
             with.rays,
-            per_row,
+            &measured,
             short as u64,
         )),
     };
@@ -431,13 +432,17 @@ pub fn plan(project: &Path, scene: Option<&str>, settings: &Settings) -> Result<
 }
 
 /// About, of rows that are not there yet: entries of a row, bytes of an entry that is no patch's.
-fn sizes(transport: &Transport, rays: u32, per_row: f64, bytes: u64) -> Sizes {
-    let rows =
-        |rows: usize, bytes| RowSizes { rows: rows as u64, entries: (rows as f64 * per_row) as u64, bytes };
+fn sizes(transport: &Transport, rays: u32, measured: &pipeline::Measured, bytes: u64) -> Sizes {
+    let rows = |rows: usize, per_row: f64, bytes| RowSizes {
+        rows: rows as u64,
+        entries: (rows as f64 * per_row) as u64,
+        bytes,
+    };
+    let pipeline::Measured { per_row, per_probe_row, .. } = *measured;
     Sizes {
-        of_patches: rows(transport.patches.len(), 8),
-        of_receivers: rows(transport.receivers.len(), bytes),
-        of_probes: rows(9 * transport.probes.len(), bytes),
+        of_patches: rows(transport.patches.len(), per_row, 8),
+        of_receivers: rows(transport.receivers.len(), per_row, bytes),
+        of_probes: rows(9 * transport.probes.len(), per_probe_row, bytes),
         rays_per_row: u64::from(rays),
         ..Sizes::of(transport)
     }

@@ -17,13 +17,13 @@ use crate::balance::{balanced_rows, cap};
 use crate::cache::Cache;
 use crate::certify::certify_rows;
 use crate::depth::depths;
-use crate::directions::{Sobol, hash_of};
+use crate::directions::{Sobol, hash, hash_of, sphere_direction, unit};
 use crate::emitter::Emitters;
 use crate::holes::AlphaHoles;
 use crate::layout::{Layout, RayScene, SAMPLES, layout};
 use crate::overlap::covered;
 use crate::probe::{ProbeRow, probe_row};
-use crate::rays::{Hits, Tracer};
+use crate::rays::{Hits, Seen, Tracer};
 use crate::surface::Surface;
 use crate::{BakeError, Watcher, aggregate, directional};
 use engine::transport::bvh::Bvh;
@@ -414,8 +414,17 @@ fn add_probe_rows(probe_from_patch: &mut Rows, rows: Vec<ProbeRow>) {
     }
 }
 
-/// Seconds a ray takes on one thread and entries a row has, from a few rows of the scene itself.
-pub fn measure(layout: &Layout, scene: &Scene, assets: &Assets, rays: u32) -> (f64, f64) {
+/// What a bake will come to, by a few rows of the scene itself.
+pub struct Measured {
+    /// Seconds, on one thread.
+    pub per_ray: f64,
+    /// Entries of a receiver's row, which patches' are like.
+    pub per_row: f64,
+    /// Of each of a probe's nine.
+    pub per_probe_row: f64,
+}
+
+pub fn measure(layout: &Layout, scene: &Scene, assets: &Assets, rays: u32) -> Measured {
     const ROWS: usize = 32;
     let holes = AlphaHoles::new(&layout.transport.surface, scene, assets);
     let bvh = Bvh::new(&layout.rays.triangles, holes.holed());
@@ -425,5 +434,22 @@ pub fn measure(layout: &Layout, scene: &Scene, assets: &Assets, rays: u32) -> (f
     let started = std::time::Instant::now();
     let entries = tracer.sample_receivers(&some, rays);
     let traced = some.len() as f64 * f64::from(rays);
-    (started.elapsed().as_secs_f64() / traced.max(1.0), entries as f64 / some.len().max(1) as f64)
+    let per_ray = started.elapsed().as_secs_f64() / traced.max(1.0);
+    let per_row = entries as f64 / some.len().max(1) as f64;
+    let probes = &layout.rays.probes[..layout.rays.probes.len().min(4)];
+    let met: usize = probes.iter().map(|&probe| columns_of_probe(&tracer, probe)).sum();
+    Measured { per_ray, per_row, per_probe_row: met as f64 / probes.len().max(1) as f64 }
+}
+
+/// How many a probe sees.
+fn columns_of_probe(tracer: &Tracer, position: Vec3) -> usize {
+    let sobol = Sobol::new(PROBE_RAYS);
+    let column = |ray: u32| {
+        let [u, v, ..] = sobol.point(ray, 0);
+        match tracer.column(position, Vec3::ZERO, sphere_direction(u, v), unit(hash(u64::from(ray)) as u32)) {
+            Seen::Column(column) => Some(column),
+            Seen::Back | Seen::Nothing => None,
+        }
+    };
+    (0..PROBE_RAYS).filter_map(column).collect::<std::collections::BTreeSet<u32>>().len()
 }

@@ -145,10 +145,8 @@ pub fn grey() -> Scene {
     let mut built = room(Vec3::splat(0.7), Vec3::splat(0.3));
     built.scene.materials.iter_mut().for_each(|material| material.albedo.changes = Changes::Never);
     built.scene.materials.iter_mut().for_each(|material| material.emission.changes = Changes::Never);
-    // It goes to and fro, white as it is: a matrix, in one channel.
-    let points = vec![at(-1.5, 2.2, 0.3), at(1.2, 2.4, 0.9)];
-    let lamp = built.light("lamp", points[0], Changes::Intensity);
-    lamp.motion = Some(Motion::PingPong { points, seconds: 4.0, look: false });
+    // Its brightness alone is free: one response, in one channel.
+    built.light("lamp", at(-0.8, 2.2, 0.3), Changes::Intensity);
     built.scene
 }
 
@@ -168,7 +166,7 @@ pub fn sky_alone() -> Scene {
     built.material("ground", WARM);
     built.material("block", BLUE);
     built.mesh("ground", Shape::Plane, placed(DVec3::ZERO, 6.0), 0);
-    built.mesh("block", Shape::Cube, placed(at(0.6, 0.5, -0.5), 1.0), 1);
+    built.mesh("block", Shape::Cube, placed(at(0.6, 0.8, -0.5), 1.0), 1);
     built.camera(at(-2.0, 1.8, 2.4), at(0.3, 0.4, -0.4));
     let kind = SkyKind::Constant { radiance: Vec3::new(0.4, 0.6, 1.0) };
     built.scene.sky = Sky { kind, changes: Changes::Intensity };
@@ -208,7 +206,8 @@ pub fn everything() -> Scene {
     let switching = Some(Switching { period: 3.0, on_share: 0.5, offset: 0.0 });
     lamp.light.iter_mut().for_each(|light| light.switching = switching);
     let chrome = built.material("chrome", Vec3::splat(0.9));
-    (chrome.metallic, chrome.roughness) = (1.0, 0.1);
+    // Not quite black to diffuse light.
+    (chrome.metallic, chrome.roughness) = (0.9, 0.1);
     let chrome = chrome.id.0;
     built.mesh("mirror ball", Shape::Sphere, placed(at(-0.5, 0.6, -0.9), 1.0), chrome);
     let bumpy = built.material("bumpy", WARM);
@@ -222,7 +221,7 @@ pub fn everything() -> Scene {
     let glowing = built.material("glowing", Vec3::splat(0.5));
     glowing.emission = Emission { color: Vec3::new(1.0, 0.5, 0.2), strength: 2.0, ..Emission::default() };
     let glowing = glowing.id.0;
-    built.mesh("glow", Shape::Cube, placed(at(1.5, 0.15, 1.4), 0.3), glowing);
+    built.mesh("glow", Shape::Cube, placed(at(1.5, 0.3, 1.4), 0.3), glowing);
     // Out through the ceiling's place.
     built.scene.entities.retain(|entity| entity.name != "room ceiling");
     built.scene.sky = Sky {

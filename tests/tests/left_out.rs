@@ -8,6 +8,7 @@ use engine::scene::{
     Alpha, Entity, EntityId, Feature, Forced, LightKind, MaterialId, MeshSource, ReflectionProbe, Refresh,
     Scene, Sky, SkyKind, Transform,
 };
+use engine::transport::solve::gather;
 use engine::transport::solved::{Response, Source, Spread};
 use engine::transport::{Rows, Solved, Transport};
 use glam::{DVec3, Vec3, Vec4};
@@ -105,7 +106,8 @@ fn a_plain_room_compiles_what_it_draws_with_and_nothing_else() {
     assert_eq!(studio.renderer.gpu().pipelines(), [""; 0], "before the first picture");
     studio.settle(&scene, View::Composite);
     let names = studio.renderer.gpu().pipelines();
-    let expected = ["bounce", "measure", "correct", "gather", "surface", "tonemap"];
+    let solver = ["bounce", "measure", "restrict_change", "solve", "correct"];
+    let expected = solver.into_iter().chain(["gather", "surface", "tonemap"]).collect::<Vec<_>>();
     let is_expected = |name: &String| expected.iter().any(|expected| name.starts_with(expected));
     assert!(names.iter().all(is_expected), "{names:?}");
     assert!(names.contains(&"surface".to_owned()), "no part of the shader is needed: {names:?}");
@@ -261,7 +263,12 @@ fn solved(studio: &Studio, transport: &Transport) -> Transport {
     let spread = Spread {
         radiosity: read(&spaces.radiosity, transport.patches.len()),
         receivers: both(&spaces.receivers, transport.receivers.len()),
-        probes: both(&spaces.probes, transport.probes.len() * 9),
+        // As the baker stores them: they are windowed when they are read.
+        probes: [&spaces.emitted, &spaces.bounced].map(|buffer| {
+            let columns = read(buffer, transport.columns());
+            let wide: Vec<DVec3> = columns.iter().map(|light| light.as_dvec3()).collect();
+            gather(&transport.probe_from_patch, &wide).iter().map(|light| light.as_vec3()).collect()
+        }),
         ..Spread::default()
     };
     let mut without = transport.clone();

@@ -249,11 +249,11 @@ fn edit(scene: &mut Scene, what: u8, which: usize, changes: Changes) {
             scene.entities.push(Entity { light_probes, ..new });
         }
         3 => {
-            let light = Some(Light { changes, casts_shadows: which % 2 == 0, ..Light::default() });
+            let light = Some(Light { changes, casts_shadows: which.is_multiple_of(2), ..Light::default() });
             scene.entities.push(Entity { light, ..new });
         }
         4 => {
-            let refresh = if which % 2 == 0 { Refresh::Baked } else { Refresh::OnChange };
+            let refresh = if which.is_multiple_of(2) { Refresh::Baked } else { Refresh::OnChange };
             let reflection_probe = Some(ReflectionProbe { refresh, ..ReflectionProbe::default() });
             scene.entities.push(Entity { reflection_probe, ..new });
         }
@@ -365,7 +365,7 @@ proptest! {
         let follows = |other: Feature| match feature {
             Feature::Sky => true,
             Feature::Reflections => matches!(other, Feature::Recaptures | Feature::UnseenCaptures),
-            Feature::Matrix => matches!(other, Feature::CoarseCorrection | Feature::Columns),
+            Feature::Matrix => matches!(other, Feature::CoarseCorrection | Feature::Columns | Feature::Colour),
             _ => false,
         };
         for other in Feature::ALL.into_iter().filter(|&other| other != feature && !follows(other)) {

@@ -118,6 +118,7 @@ impl Renderer {
             lights: !self.shadows.lights().is_empty(),
             cubemaps: self.reflections.any(),
         };
-        Variants { there, alike: forced == Some(Forced::In) }
+        let masks_with_cubemaps = self.gpu.software && self.gpu.info.backend == wgpu::Backend::Vulkan;
+        Variants { there, alike: forced == Some(Forced::In), masks_with_cubemaps }
     }
 }

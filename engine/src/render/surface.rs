@@ -169,6 +169,9 @@ pub struct Variants {
     pub there: Parts,
     /// All surfaces have all of it, whatever their materials ask for.
     pub alike: bool,
+    /// Mesa's software Vulkan (22.3) was seen to crash over shaders that read cubemaps and discard nothing: those have
+    /// the part for masks, too.
+    pub masks_with_cubemaps: bool,
 }
 
 pub struct Surfaces {
@@ -314,7 +317,8 @@ impl Surfaces {
 
 impl Variants {
     fn of(&self, material: &Material) -> Parts {
-        if self.alike { self.there } else { Parts::of(material, &self.there) }
+        let parts = if self.alike { self.there } else { Parts::of(material, &self.there) };
+        Parts { mask: parts.mask || self.masks_with_cubemaps && parts.cubemaps, ..parts }
     }
 }
 

@@ -105,9 +105,9 @@ impl Certificate {
             at_most("cavity gain", self.cavity_gain, if self.unlimited_gain { f64::MAX } else { 1.1e4 }),
         ];
         if self.directional_receivers > 0 {
-            // Stored in 11 bits: as much as rounding adds.
+            // As much as storing adds: each term becomes either of its neighbours of 11 bits, a step of 2^-10 apart.
             let what = "directional terms exceed all light by";
-            statements.push(at_most(what, self.directional_sum_excess, directional::MOST / 2048.0));
+            statements.push(at_most(what, self.directional_sum_excess, directional::MOST / 1024.0));
         }
         statements
     }

@@ -271,7 +271,7 @@ mod tests {
         let mut transport = transport(0.02);
         for full in [40, 25, 15] {
             let mut rows = crate::transport::Rows::default();
-            (0..40).for_each(|i| rows.push((0..full).map(|j| (j, 0.01 + 1e-5 * (i * 40 + j) as f32))));
+            (0..40).for_each(|i| rows.push((0..full).map(|j| (j, 0.01 + 1e-6 * (i * 40 + j) as f32))));
             (transport.patch_from_patch, transport.dense) = (rows, true);
             let sections = assert_comes_back(&transport);
             let is_dense = names(&sections).contains(&"patch.dense");

@@ -174,8 +174,11 @@ fn the_surfaces_own_normal_keeps_its_irradiance_to_the_last_digit() {
     }
 }
 
+/// Where a receiver is, in bits, and its row.
+type Placed = ([u32; 6], Vec<(u32, f32)>);
+
 /// Receivers by place, with their rows of irradiance.
-fn by_place(transport: &Transport) -> Vec<([u32; 6], Vec<(u32, f32)>)> {
+fn by_place(transport: &Transport) -> Vec<Placed> {
     let bits = |v: Vec3| v.to_array().map(f32::to_bits);
     let place = |r: &Receiver| {
         let ([a, b, c], [d, e, f]) = (bits(r.position), bits(r.normal));

@@ -151,13 +151,17 @@ fn matrix_saving(look: &Look<'_>) -> Saving {
     sizes.of_patches.saving(&look.cost, 2.0) + look.cost.memory(light, light)
 }
 
-/// Something static, a light or the sky is not grey, or may become so.
+/// Something static, a light or the sky is not grey, or may become so; or light is solved while the scene plays, which
+/// is done in three channels at once. What was solved at the bake is stored in one where it is grey.
 pub fn colour(look: &Look<'_>) -> Finding {
     // One channel of sixteen bytes' vectors of three: what is solved and gathered.
     let sizes = &look.sizes;
     let vectors = 7 * sizes.patches + 2 * sizes.receivers + 18 * sizes.probes + 3 * sizes.sky_patches;
     let saving = look.cost.memory(12 * vectors, 12 * vectors);
-    let found = coloured_source(look).or_else(|| coloured_surface(look));
+    let found = coloured_source(look).or_else(|| coloured_surface(look)).or_else(|| {
+        let message = "light is solved while the scene plays, three channels at once";
+        look.has(crate::scene::Feature::Matrix).then(|| Finding::needed(message, Vec::new()))
+    });
     found
         .unwrap_or_else(|| Finding::not_needed("all albedo and all that shines is grey and stays so"))
         .saves(saving)
@@ -340,7 +344,8 @@ mod tests {
         assert_eq!(found(colour, &walls).entities, [EntityId(1)]);
         walls.entities.push(with(ball(3), 1));
         walls.materials[0].id = crate::scene::MaterialId(1);
-        assert!(!found(colour, &walls).needed, "what moves takes no part in light");
+        // What moves takes no part in light, but its shadow does.
+        assert!(found(colour, &walls).why.starts_with("light is solved while the scene plays"));
         let mut glowing = room();
         glowing.materials = vec![emitter(0, Changes::Never)];
         assert!(!found(colour, &glowing).needed);
