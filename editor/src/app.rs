@@ -1,6 +1,7 @@
 //! The editor as a whole: what it holds, how a picture of it comes about, and how what panels asked for is done.
 
 mod beside;
+mod bring;
 mod leave;
 mod window;
 
@@ -19,7 +20,7 @@ use crate::ask::{Ask, Asks};
 use crate::baking::Baking;
 use crate::camera::ViewCamera;
 use crate::command::{Bindings, Command};
-use crate::inspector::Inspector;
+use crate::inspector::{Files, Inspector};
 use crate::intents::Session;
 use crate::keys;
 use crate::layout::{self, Docks, Layout, Pane};
@@ -39,6 +40,7 @@ use crate::play::Play;
 use crate::recent::{Preferences, Theme};
 use crate::scenery::{AsBaked, Placed, Scenery};
 use crate::theme;
+use crate::thumbnails::Thumbnails;
 use crate::viewport::Stage;
 pub use window::{run, wgpu_setup};
 
@@ -56,7 +58,9 @@ pub struct Editor {
     game: GameView,
     pub(crate) hierarchy: Hierarchy,
     inspector: Inspector,
-    files: AssetList,
+    pub(crate) files: AssetList,
+    pub(crate) thumbnails: Thumbnails,
+    pub(crate) bring: bring::Bring,
     pub(crate) console: Console,
     pub(crate) palette: Palette,
     status: Status,
@@ -111,6 +115,8 @@ impl Editor {
             hierarchy: Hierarchy::default(),
             inspector: Inspector::default(),
             files: AssetList::default(),
+            thumbnails: Thumbnails::default(),
+            bring: bring::Bring::default(),
             console: Console::default(),
             palette: Palette::default(),
             status: Status::default(),
@@ -170,12 +176,17 @@ impl Editor {
     /// A picture of the editor.
     pub fn ui(&mut self, ui: &mut Ui) {
         self.beside(ui);
+        self.thumbnails.begin(self.session.document.project(), &self.assets);
         self.placed.follow(&self.session.document, &self.assets, &self.baked);
         if let Some(play) = &mut self.play {
             play.advance(&self.assets);
             ui.ctx().request_repaint();
         }
-        if self.leaving.is_none() && !self.open.is_open() && self.session.document.recovery().is_none() {
+        if self.leaving.is_none()
+            && !self.open.is_open()
+            && !self.files.has_dialog()
+            && self.session.document.recovery().is_none()
+        {
             keys::pressed(ui, &self.bindings).into_iter().for_each(|command| self.asks.push(command));
         }
         self.bars(ui);
@@ -185,6 +196,7 @@ impl Editor {
         self.palette.show(ui, &state, &self.bindings, &mut self.asks);
         self.dialogs(ui);
         self.do_what_was_asked(ui);
+        self.thumbnails.end(ui.ctx(), self.stage.gpu());
         self.tell_title(ui);
     }
 
@@ -200,10 +212,14 @@ impl Editor {
         let bottom = Panel::bottom("status").exact_size(24.0).frame(bar).show_separator_line(false);
         let Session { document, selection, log, .. } = &self.session;
         let (selected, entities) = (selection.ids().len(), document.scene().entities.len());
-        bottom.show(ui, |ui| self.status.show(ui, log, selected, entities, &mut self.asks));
+        bottom.show(ui, |ui| {
+            let importing = self.bring.imports.going();
+            self.status.show(ui, log, (selected, entities), importing.as_ref(), &mut self.asks);
+        });
     }
 
     fn docks(&mut self, ui: &mut Ui) {
+        self.scene.lens = None;
         let mut layout = std::mem::replace(&mut self.layout, Layout::empty(egui::Id::unique("none")));
         layout.ui(&mut Docks { show: &mut |ui, pane| self.pane(ui, pane) }, ui);
         self.layout = layout;
@@ -234,9 +250,16 @@ impl Editor {
             Pane::Inspector => {
                 let playing = self.play.is_some();
                 let Session { document, selection, .. } = &self.session;
-                self.inspector.show(ui, document, selection, playing, &mut self.asks);
+                let files = &mut Files {
+                    assets: self.files.assets(),
+                    missing: self.files.missing(),
+                    thumbnails: &mut self.thumbnails,
+                };
+                self.inspector.show(ui, (document, selection), playing, files, &mut self.asks);
             }
-            Pane::Assets => self.files.show(ui, &self.session.document, &mut self.asks),
+            Pane::Assets => {
+                self.files.show(ui, &self.session.document, &mut self.thumbnails, &mut self.asks);
+            }
             Pane::Console => self.console.show(ui, &self.session.log, &mut self.asks),
             _ => statistics::show(ui, &self.stage, &self.scene.picture, &scenery),
         });
@@ -259,6 +282,7 @@ impl Editor {
             match ask {
                 Ask::Intent(intent) => self.carry_out(intent, ui),
                 Ask::Run(command) => self.run(command, ui),
+                Ask::Files(wish) => self.wish(wish, ui),
                 Ask::Frame(ids) => self.frame(&ids),
             }
         }

@@ -3,6 +3,7 @@
 
 use engine::scene::EntityId;
 
+use crate::assets::Wish;
 use crate::command::Command;
 use crate::intents::Intent;
 
@@ -10,6 +11,8 @@ use crate::intents::Intent;
 pub enum Ask {
     Intent(Intent),
     Run(Command),
+    /// Of the project's files.
+    Files(Wish),
     /// The scene view goes there.
     Frame(Vec<EntityId>),
 }
@@ -23,6 +26,12 @@ impl From<Intent> for Ask {
 impl From<Command> for Ask {
     fn from(command: Command) -> Self {
         Self::Run(command)
+    }
+}
+
+impl From<Wish> for Ask {
+    fn from(wish: Wish) -> Self {
+        Self::Files(wish)
     }
 }
 

@@ -1,8 +1,11 @@
 //! The project's files: what lies in `assets/`, what of it a scene refers to, what is missing, and what happens to
 //! references when a file moves.
 
+mod wish;
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 use engine::scene::{
     Entity, EntityId, ImageSource, Material, MeshSource, Motion, Scene, Sky, SkyKind, Texture,
@@ -10,6 +13,7 @@ use engine::scene::{
 
 use crate::edit::{Edit, Field};
 use crate::importing;
+pub use wish::{Carried, Place, Wish};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Kind {
@@ -28,6 +32,25 @@ pub struct Asset {
     pub file: String,
     pub kind: Kind,
     pub bytes: u64,
+    /// Another one: the file holds something else.
+    pub modified: Option<SystemTime>,
+}
+
+impl Asset {
+    /// Without the folders.
+    pub fn name(&self) -> &str {
+        name(&self.file)
+    }
+}
+
+/// The last part of a path of the project.
+pub fn name(file: &str) -> &str {
+    file.rsplit('/').next().unwrap_or(file)
+}
+
+/// The folder that a file or folder lies in.
+pub fn folder(file: &str) -> &str {
+    file.rsplit_once('/').map_or("", |(folder, _)| folder)
 }
 
 /// Who refers to a file.
@@ -49,12 +72,16 @@ pub fn list(project: &Path) -> Vec<Asset> {
                 continue;
             };
             let file = format!("{folder}/{name}");
+            if name.starts_with('.') {
+                continue; // what an import is at
+            }
             let kind = if metadata.is_dir() { Kind::Folder } else { kind(&name) };
             if kind == Kind::Folder {
                 folders.push(file.clone());
             }
             if !importing::is_settings(&name) {
-                found.push(Asset { file, kind, bytes: metadata.len() });
+                let modified = metadata.modified().ok();
+                found.push(Asset { file, kind, bytes: metadata.len(), modified });
             }
         }
     }
@@ -106,12 +133,15 @@ pub fn missing(project: &Path, scene: &Scene) -> Vec<(String, Vec<User>)> {
     references(scene).into_iter().filter(|(file, _)| !project.join(file).is_file()).collect()
 }
 
+/// What a path is called after `from` became `to`. `None`: it is neither that nor below it.
+pub fn moved(file: &str, from: &str, to: &str) -> Option<String> {
+    let below = file.strip_prefix(from)?;
+    (below.is_empty() || below.starts_with('/')).then(|| format!("{to}{below}"))
+}
+
 /// All references to a file, or to what lies below a folder, lead to another. Empty where there are none.
 pub fn relink(scene: &Scene, from: &str, to: &str) -> Edit {
-    let moved = |file: &str| {
-        let below = file.strip_prefix(from)?;
-        (below.is_empty() || below.starts_with('/')).then(|| format!("{to}{below}"))
-    };
+    let moved = |file: &str| moved(file, from, to);
     let fields = scene.entities.iter().flat_map(|entity| relinked(entity, &moved)).collect();
     let materials =
         scene.materials.iter().filter_map(|material| relinked_material(material, &moved)).collect();
@@ -148,6 +178,32 @@ pub fn rename(project: &Path, from: &str, to: &str) -> Result<Vec<String>, Strin
         let _ = std::fs::rename(settings, importing::settings_path(&target));
     }
     Ok(users_elsewhere(project, from))
+}
+
+/// A file with its import settings, or a folder with all that lies in it.
+pub fn delete(project: &Path, file: &str) -> Result<(), String> {
+    if folder(file).is_empty() || !file.starts_with("assets/") || file.split('/').any(|part| part == "..") {
+        return Err(format!("`{file}` does not lie in `assets`: it is left alone"));
+    }
+    let path = project.join(file);
+    let failed = |error: std::io::Error| format!("{}: {error}", path.display());
+    if path.is_dir() {
+        return std::fs::remove_dir_all(&path).map_err(failed);
+    }
+    std::fs::remove_file(&path).map_err(failed)?;
+    // Without its file it says nothing.
+    let _ = std::fs::remove_file(importing::settings_path(&path));
+    Ok(())
+}
+
+/// A folder of a name that is free.
+pub fn new_folder(project: &Path, below: &str) -> Result<String, String> {
+    let numbered = (2..1000).map(|n| format!("{below}/folder {n}"));
+    let mut names = std::iter::once(format!("{below}/folder")).chain(numbered);
+    let free = names.find(|name| !project.join(name).exists());
+    let free = free.ok_or_else(|| format!("{below}: no name is left for a folder"))?;
+    std::fs::create_dir_all(project.join(&free)).map_err(|error| format!("{free}: {error}"))?;
+    Ok(free)
 }
 
 /// Scenes of the project that name the file.

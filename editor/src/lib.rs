@@ -33,6 +33,7 @@ pub mod run;
 pub mod scenery;
 pub mod selection;
 pub mod theme;
+pub mod thumbnails;
 pub mod tools;
 pub mod viewport;
 pub mod watch;

@@ -7,7 +7,6 @@ use std::sync::Arc;
 use engine::play::World;
 use engine::render::{Asked, Settings};
 use engine::scene::assets::Assets;
-use engine::scene::import::load_assets;
 use engine::scene::{EntityId, SceneError, Warning};
 use engine::transport::Transport;
 use engine::transport::reflection::Cube;
@@ -15,6 +14,7 @@ use glam::DVec3;
 
 use crate::baking::{self, Baked};
 use crate::document::Document;
+use crate::importing::load;
 
 pub struct Opened {
     pub document: Document,
@@ -52,7 +52,7 @@ impl Opened {
             }
             Err(error) => {
                 warnings.push(Warning::new(document.name(), error.to_string()));
-                let (assets, more) = load_assets(project, document.scene())?;
+                let (assets, more) = load::what_is_there(project, document.scene());
                 warnings.extend(more);
                 let (shown, cubemaps, settings, features) = Default::default();
                 let assets = Arc::new(assets);

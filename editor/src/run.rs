@@ -7,6 +7,7 @@ use engine::scene::{Entity, EntityId};
 use glam::DVec3;
 
 use crate::app::Editor;
+use crate::assets::Wish;
 use crate::command::{Command, State};
 use crate::gizmo::Tool;
 use crate::intents::{Intent, Session};
@@ -16,7 +17,7 @@ use crate::recent::Theme;
 use crate::tools;
 
 /// Commands of the table that this editor has no part for yet: no menu shows them, no key gives them.
-const NOT_YET: [Command; 20] = [
+const NOT_YET: [Command; 15] = [
     Command::NewProject,
     Command::NewScene,
     Command::OpenScene,
@@ -27,11 +28,6 @@ const NOT_YET: [Command; 20] = [
     Command::ViewCamera,
     Command::ToggleGizmos,
     Command::ToggleWireframe,
-    Command::Import,
-    Command::Reimport,
-    Command::RenameAsset,
-    Command::RelinkMissing,
-    Command::SearchAssets,
     Command::DensityBrush,
     Command::EditLightProbes,
     Command::ShowTetrahedra,
@@ -98,7 +94,7 @@ impl Editor {
             is_playing: self.play.is_some(),
             is_baking: self.baking.progress().is_some(),
             selected: selection.ids().len(),
-            asset_selected: false,
+            asset_selected: self.files.selected().is_some(),
             can_undo: document.can_undo(),
             can_redo: document.can_redo(),
             can_paste: self.copied.is_some(),
@@ -138,7 +134,28 @@ impl Editor {
                 layout::reveal(&mut self.layout, Pane::Hierarchy);
                 self.hierarchy.search(ui);
             }
+            Command::Import
+            | Command::Reimport
+            | Command::RenameAsset
+            | Command::RelinkMissing
+            | Command::SearchAssets => self.run_files(command, ui),
             _ => self.look(command),
+        }
+    }
+
+    fn run_files(&mut self, command: Command, ui: &Ui) {
+        if matches!(command, Command::RenameAsset | Command::SearchAssets) {
+            layout::reveal(&mut self.layout, Pane::Assets);
+        }
+        match command {
+            Command::Import => self.wish(Wish::Browse, ui),
+            Command::Reimport => {
+                let file = self.files.selected().unwrap_or_default().to_owned();
+                self.wish(Wish::Again { file, settings: None }, ui);
+            }
+            Command::RenameAsset => self.files.rename_selected(),
+            Command::RelinkMissing => self.files.relink_missing(),
+            _ => self.files.focus_search(ui),
         }
     }
 

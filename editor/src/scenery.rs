@@ -1,11 +1,12 @@
 //! The scene as it is shown now: the authored one, or the copy that plays.
 
 use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
 
 use engine::play::world::placed_at;
 use engine::render::{Eye, Now, View};
 use engine::scene::assets::Assets;
-use engine::scene::{Entity, EntityId, MeshSource, Scene};
+use engine::scene::{Entity, EntityId, Mesh, Scene};
 use engine::transport::{Batch, Transport};
 use glam::{DAffine3, DVec3};
 
@@ -24,7 +25,8 @@ pub struct Placed {
 /// Where the bake has what it holds.
 #[derive(Default)]
 pub struct AsBaked {
-    placed: HashMap<EntityId, (DAffine3, MeshSource)>,
+    /// And the mesh as it was read then.
+    placed: HashMap<EntityId, (DAffine3, Option<Arc<Mesh>>)>,
 }
 
 impl AsBaked {
@@ -34,14 +36,16 @@ impl AsBaked {
         let baked: HashSet<EntityId> = transport.surface.batches.iter().map(Batch::entity).collect();
         let placed = scene.entities.iter().zip(world_from_local).filter_map(|(entity, world)| {
             let mesh = entity.mesh.as_ref().filter(|_| baked.contains(&entity.id))?;
-            Some((entity.id, (world, mesh.mesh.clone())))
+            Some((entity.id, (world, assets.meshes.get(&mesh.mesh).cloned())))
         });
         Self { placed: placed.collect() }
     }
 
-    fn holds(&self, entity: &Entity, world: &DAffine3) -> bool {
+    /// A file that was renamed holds the same mesh; one that changed does not.
+    fn holds(&self, entity: &Entity, world: &DAffine3, assets: &Assets) -> bool {
         let Some((baked, mesh)) = self.placed.get(&entity.id) else { return true };
-        baked == world && entity.mesh.as_ref().is_some_and(|renderer| renderer.mesh == *mesh)
+        let now = entity.mesh.as_ref().map(|renderer| assets.meshes.get(&renderer.mesh));
+        baked == world && now.is_some_and(|now| now.map(Arc::as_ptr) == mesh.as_ref().map(Arc::as_ptr))
     }
 }
 
@@ -57,7 +61,7 @@ impl Placed {
             .entities
             .iter()
             .zip(&self.world_from_local)
-            .filter(|(entity, world)| !baked.holds(entity, world));
+            .filter(|(entity, world)| !baked.holds(entity, world, assets));
         self.displaced = elsewhere.map(|(entity, _)| entity.id).collect();
     }
 

@@ -47,7 +47,7 @@ impl Stage {
         Ok(Self { state: state.clone(), gpu, renderer, transport, settings, features })
     }
 
-    pub fn gpu(&self) -> &Gpu {
+    pub fn gpu(&self) -> &Arc<Gpu> {
         &self.gpu
     }
 

@@ -21,6 +21,11 @@ impl Editor {
             self.tell(event);
         }
         self.take_bake();
+        self.files.pivot = self.scene.camera.pivot;
+        if self.files.follow(&mut self.session.document) {
+            self.follow_renames(ui.ctx());
+        }
+        self.take_files(ui);
         if !matches!(self.baking.badge(&self.session.document), Badge::Current | Badge::LightOnly) {
             self.baking.compare(&self.session.document, &self.assets);
         }
@@ -28,7 +33,7 @@ impl Editor {
         ui.ctx().request_repaint_after(std::time::Duration::from_millis(wait));
     }
 
-    fn tell(&self, event: Event) {
+    fn tell(&mut self, event: Event) {
         let Session { document, log, .. } = &self.session;
         match event {
             Event::Saved(Ok(())) => log.info(format!("Saved {}", document.path().display())),
@@ -46,9 +51,7 @@ impl Editor {
                     "The scene's file is gone: saving writes it again",
                 );
             }
-            Event::AssetChanged(path, _) => {
-                log.info(format!("{} has changed: open the project again to see it", path.display()));
-            }
+            Event::AssetChanged(path, change) => self.asset_changed(&path, change),
         }
     }
 

@@ -42,6 +42,7 @@ impl Editor {
                 self.load(project);
             }
         }
+        self.files.show_dialog(ui, &self.session.document, &mut self.asks);
         self.confirm(ui);
         self.offer_recovery(ui);
         self.take_loaded(ui);
@@ -165,6 +166,7 @@ impl Editor {
         self.assets = assets;
         (self.play, self.placed) = (None, Placed::default());
         self.hierarchy = Hierarchy::default();
+        self.bring = Default::default();
         let handling = self.scene.handling;
         (self.scene, self.game) = (SceneView::default(), GameView::default());
         self.scene.handling = handling;

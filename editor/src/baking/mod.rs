@@ -89,11 +89,18 @@ pub struct Baking {
     shown: Option<Baked>,
     bake: Option<Bake>,
     compare: Option<Job<(u64, Difference)>>,
+    /// A file that the scene refers to has changed: no edit says so.
+    doubted: bool,
 }
 
 impl Baking {
     pub fn show(&mut self, baked: Baked) {
         self.shown = Some(baked);
+    }
+
+    /// A file that the scene refers to has changed: the bake counts as stale until it was compared.
+    pub fn doubt(&mut self) {
+        (self.doubted, self.compare) = (true, None);
     }
 
     /// What it differs by from the scene, as far as that was compared: [`Transport::leave_out`] wants to know.
@@ -163,6 +170,7 @@ impl Baking {
         let Some(shown) = &self.shown else { return Badge::Missing };
         match document.stale_since(shown.revision) {
             Stale::Transport => Badge::Stale(String::new()),
+            _ if self.doubted => Badge::Stale("A file that the scene refers to has changed".to_owned()),
             _ if !shown.differs.is_empty() => Badge::Stale(shown.differs.to_string()),
             _ if shown.state.is_some() && shown.state == document.state() => Badge::Current,
             _ => Badge::LightOnly,
@@ -173,7 +181,7 @@ impl Baking {
     /// fits again. `assets`: what the scene refers to.
     pub fn compare(&mut self, document: &Document, assets: &Arc<Assets>) {
         let Some(shown) = &self.shown else { return };
-        let is_known = document.stale_since(shown.revision) < Stale::Transport;
+        let is_known = document.stale_since(shown.revision) < Stale::Transport && !self.doubted;
         if self.compare.is_some() || is_known || document.is_dragging() {
             return;
         }
@@ -188,6 +196,7 @@ impl Baking {
         let Some(compared) = self.compare.as_mut().and_then(Job::poll) else { return };
         self.compare = None;
         if let (Ok((revision, differs)), Some(shown)) = (compared, &mut self.shown) {
+            self.doubted = false;
             (shown.revision, shown.differs) = (revision, differs);
         }
     }

@@ -2,6 +2,9 @@
 //! What goes wrong leaves the project as it was.
 
 mod again;
+mod copied;
+mod imports;
+pub mod load;
 mod ready;
 
 use std::path::{Path, PathBuf};
@@ -9,12 +12,16 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::thread::JoinHandle;
 
-use engine::scene::SceneError;
+use engine::scene::assets::Assets;
 use engine::scene::file::write;
-use engine::scene::import::settings::{self, ImportSettings, stem};
+use engine::scene::import::settings::{self, ImportSettings};
 use engine::scene::import::{import, load_assets};
+use engine::scene::{ImageSource, Scene, SceneError};
 
+use crate::assets::{Kind, kind};
 pub use again::{Record, reimport};
+use copied::Copied;
+pub use imports::{Ended, Going, Imports, Then};
 pub use ready::Ready;
 
 /// What the thread is at.
@@ -46,6 +53,20 @@ impl Stage {
     }
 }
 
+/// What is to be brought in, and how.
+#[derive(Clone, Default)]
+pub struct Order {
+    pub project: PathBuf,
+    /// From anywhere; what lies in the project's `assets` already is read where it is.
+    pub source: PathBuf,
+    /// `None`: those that lie beside it, else the usual ones.
+    pub settings: Option<ImportSettings>,
+    /// Where the file stands in the scene of this name is told with the result.
+    pub scene: Option<String>,
+    /// What is in memory: what the file still says the same stays what it is.
+    pub known: Arc<Assets>,
+}
+
 /// An import that goes on.
 pub struct Job {
     /// What is imported.
@@ -75,12 +96,17 @@ impl Shared {
 impl Job {
     /// A file from anywhere; one that lies in the project's `assets` already is read where it is.
     pub fn start(project: &Path, source: &Path, settings: ImportSettings) -> Result<Self, String> {
+        let (project, source) = (project.to_owned(), source.to_owned());
+        Self::carry_out(Order { project, source, settings: Some(settings), ..Order::default() })
+    }
+
+    pub fn carry_out(order: Order) -> Result<Self, String> {
         let shared = Arc::new(Shared::default());
-        let (project, file, told) = (project.to_owned(), source.to_owned(), shared.clone());
-        let work = move || run(&project, &file, settings, &told);
+        let (source, told) = (order.source.clone(), shared.clone());
+        let work = move || run(&order, &told);
         let thread = std::thread::Builder::new().name("import".to_owned()).spawn(work);
         let thread = thread.map_err(|error| format!("{}: cannot be imported: {error}", source.display()))?;
-        Ok(Self { source: source.to_owned(), shared, thread: Some(thread) })
+        Ok(Self { source, shared, thread: Some(thread) })
     }
 
     pub fn stage(&self) -> Stage {
@@ -107,28 +133,39 @@ impl Drop for Job {
     }
 }
 
-fn run(project: &Path, source: &Path, settings: ImportSettings, shared: &Shared) -> Result<Ready, String> {
+fn run(order: &Order, shared: &Shared) -> Result<Ready, String> {
     shared.enter(Stage::Copying)?;
+    let Order { project, source, .. } = order;
+    let is_picture = kind(&source.to_string_lossy()) == Kind::Picture;
     let inside = inside(project, source);
     let copied = match &inside {
         Some(_) => None,
+        None if is_picture => Some(Copied::picture(project, source)?),
         None => Some(Copied::of(project, source).map_err(|error| bake::chain::told(error.as_ref()))?),
     };
     let file = inside.or(copied.as_ref().map(|copied| copied.file.clone())).unwrap_or_default();
-    let told = |error: SceneError| bake::chain::told(&error);
-    let path = project.join(&file);
+    let ready = if is_picture { picture(project, &file, shared) } else { model(order, &file, shared) }?;
+    copied.into_iter().for_each(Copied::keep);
+    Ok(ready)
+}
+
+/// With the settings that were ordered; those that were there come back where it is refused.
+fn model(order: &Order, file: &str, shared: &Shared) -> Result<Ready, String> {
+    let path = order.project.join(file);
     let before = std::fs::read(settings::path(&path)).ok();
-    write_settings(&path, &settings).map_err(told)?;
-    match read(project, &file, shared) {
-        Ok(ready) => {
-            copied.into_iter().for_each(Copied::keep);
-            Ok(ready)
-        }
-        Err(error) => {
-            restore_settings(&path, before);
-            Err(error)
-        }
+    if let Some(settings) = &order.settings {
+        write_settings(&path, settings).map_err(|error| bake::chain::told(&error))?;
     }
+    let read = read(&order.project, file, shared);
+    if read.is_err() && order.settings.is_some() {
+        restore_settings(&path, before);
+    }
+    let mut ready = read?;
+    load::keep_what_is_the_same(&mut ready.assets, &order.known);
+    if let Some(scene) = &order.scene {
+        ready.records = Record::all(&order.project, scene, file);
+    }
+    Ok(ready)
 }
 
 fn read(project: &Path, file: &str, shared: &Shared) -> Result<Ready, String> {
@@ -139,7 +176,20 @@ fn read(project: &Path, file: &str, shared: &Shared) -> Result<Ready, String> {
     let (assets, warnings) = load_assets(project, &imported.scene).map_err(told)?;
     shared.enter(Stage::Done)?;
     let warnings = imported.warnings.into_iter().chain(warnings).collect();
-    Ok(Ready { file: file.to_owned(), scene: imported.scene, assets: Arc::new(assets), warnings })
+    let (file, scene, assets) = (file.to_owned(), imported.scene, Arc::new(assets));
+    Ok(Ready { file, scene, assets, warnings, records: Vec::new() })
+}
+
+/// A picture stands in no scene by itself: materials show it.
+fn picture(project: &Path, file: &str, shared: &Shared) -> Result<Ready, String> {
+    shared.enter(Stage::Loading)?;
+    let source = ImageSource { file: file.to_owned(), image: None };
+    let picture = load::picture(project, &source)?;
+    shared.enter(Stage::Done)?;
+    let mut assets = Assets::default();
+    assets.images.insert(source, picture);
+    let (file, scene, warnings, records) = (file.to_owned(), Scene::default(), Vec::new(), Vec::new());
+    Ok(Ready { file, scene, assets: Arc::new(assets), warnings, records })
 }
 
 /// The path in the project, of what lies in its `assets`.
@@ -173,59 +223,4 @@ pub fn settings_path(file: &Path) -> PathBuf {
 /// Is it such a file?
 pub fn is_settings(name: &str) -> bool {
     name.ends_with(".import.ron")
-}
-
-/// A file and what it refers to, in the project; gone again unless it is kept.
-struct Copied {
-    folder: PathBuf,
-    /// Relative to the project.
-    file: String,
-    kept: bool,
-}
-
-impl Copied {
-    /// Into a folder of its own, that moves to its place when it is whole.
-    fn of(project: &Path, source: &Path) -> anyhow::Result<Self> {
-        let assets = project.join("assets");
-        std::fs::create_dir_all(&assets)?;
-        let staging = tempfile::Builder::new().prefix(".import-").tempdir_in(&assets)?;
-        let name = usable(&stem(&source.file_name().unwrap_or_default().to_string_lossy()));
-        let staged = bake::adopt::adopt(staging.path(), &name, source)?;
-        let (folder, free) = move_in(&staging.path().join("assets").join(&name), &assets, &name)?;
-        let below = staged.strip_prefix(&format!("assets/{name}/")).unwrap_or(&staged).to_owned();
-        Ok(Self { folder, file: format!("assets/{free}/{below}"), kept: false })
-    }
-
-    fn keep(mut self) {
-        self.kept = true;
-    }
-}
-
-impl Drop for Copied {
-    fn drop(&mut self) {
-        if !self.kept {
-            let _ = std::fs::remove_dir_all(&self.folder);
-        }
-    }
-}
-
-/// Under the first name that is free: `chair`, `chair-2`, `chair-3`.
-fn move_in(staged: &Path, assets: &Path, name: &str) -> anyhow::Result<(PathBuf, String)> {
-    let numbered = (2..10_000).map(|n| format!("{name}-{n}"));
-    for free in std::iter::once(name.to_owned()).chain(numbered) {
-        let folder = assets.join(&free);
-        if !folder.exists() {
-            std::fs::rename(staged, &folder)?;
-            return Ok((folder, free));
-        }
-    }
-    anyhow::bail!("{}: has no name left for `{name}`", assets.display())
-}
-
-/// As a folder's name on every system.
-fn usable(stem: &str) -> String {
-    let replaced = |c: char| if c.is_control() || r#"/\<>:"|?*"#.contains(c) { '_' } else { c };
-    let name: String = stem.chars().map(replaced).collect();
-    let name = name.trim_matches([' ', '.']);
-    if name.is_empty() { "model".to_owned() } else { name.to_owned() }
 }

@@ -10,7 +10,7 @@ use glam::DVec3;
 
 use super::Record;
 use crate::document::Document;
-use crate::edit::{Edit, copies};
+use crate::edit::{Edit, copies, tree};
 
 pub struct Ready {
     /// Relative to the project.
@@ -20,12 +20,25 @@ pub struct Ready {
     /// All that the scene refers to, loaded.
     pub assets: Arc<Assets>,
     pub warnings: Vec<Warning>,
+    /// Where the file stands in the scene already, if that was asked for.
+    pub records: Vec<Record>,
 }
 
 impl Ready {
     /// What placing it does: everything under one root, whose origin comes to stand at `place`. Also the root, and what
     /// importing it again has to know, to be saved when the edit was taken.
     pub fn place(&self, document: &mut Document, place: DVec3) -> (Edit, EntityId, Record) {
+        self.place_under(document, place, None)
+    }
+
+    /// Likewise under an entity, whose own origin is `place` 0.
+    pub fn place_under(
+        &self,
+        document: &mut Document,
+        place: DVec3,
+        parent: Option<EntityId>,
+    ) -> (Edit, EntityId, Record) {
+        let parent = parent.filter(|parent| document.entity(*parent).is_some());
         let ids = copies::renumbered(self.scene.entities.iter(), &mut || document.new_entity_id());
         let materials = self.material_ids(document);
         let mut entities: Vec<Entity> = self.scene.entities.clone();
@@ -33,9 +46,12 @@ impl Ready {
             copies::redirect(entity, &ids, &|_| false);
             copies::redirect_materials(entity, &materials);
         }
-        let root = self.root(document, &mut entities, place);
+        let root = self.root(document, &mut entities, place, parent);
         let record = Record::new(self, root, &ids, &materials);
-        let first = document.scene().entities.len();
+        let first = match parent {
+            Some(parent) => tree::end_of_subtree(document.indexed(), parent),
+            None => document.scene().entities.len(),
+        };
         let new = self.scene.materials.iter().map(|material| renumbered(material, &materials));
         let edits = [
             Edit::InsertMaterials((document.scene().materials.len()..).zip(new).collect()),
@@ -49,7 +65,13 @@ impl Ready {
     }
 
     /// The only root there is, or a new one above all roots.
-    fn root(&self, document: &mut Document, entities: &mut Vec<Entity>, place: DVec3) -> EntityId {
+    fn root(
+        &self,
+        document: &mut Document,
+        entities: &mut Vec<Entity>,
+        place: DVec3,
+        parent: Option<EntityId>,
+    ) -> EntityId {
         let roots: Vec<usize> = (0..entities.len()).filter(|&at| entities[at].parent.is_none()).collect();
         let at = if let [only] = roots[..] {
             entities[only].transform.translation += place;
@@ -61,7 +83,8 @@ impl Ready {
             entities.insert(0, Entity { id, name: stem(&self.file), transform, ..Entity::default() });
             0
         };
-        entities[at].name = copies::Names::beside(document.indexed()).free(None, &entities[at].name);
+        entities[at].parent = parent;
+        entities[at].name = copies::Names::beside(document.indexed()).free(parent, &entities[at].name);
         entities[at].id
     }
 }

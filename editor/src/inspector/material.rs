@@ -1,13 +1,13 @@
 //! The materials of all that is selected. They are shared: a change shows wherever a material is used.
 
 use eframe::egui::Ui;
-use engine::scene::{Alpha, Entity, Material, MaterialId, Texture};
+use engine::scene::{Alpha, Entity, Material, MaterialId};
 
 use super::arithmetic::Unit;
-use super::colour;
-use super::fields::{self, Number, section};
+use super::fields::{Number, section};
 use super::light::CHANGES;
 use super::subject::Subject;
+use super::{Files, colour, slot};
 use crate::ask::Asks;
 use crate::document::Document;
 use crate::edit::Edit;
@@ -34,10 +34,10 @@ fn kind(material: &Material) -> Kind {
     }
 }
 
-type Materials<'a> = Subject<'a, MaterialId, Material>;
+pub(super) type Materials<'a> = Subject<'a, MaterialId, Material>;
 
 /// Entities with a material each: all of these at once. Else each material by itself.
-pub fn show(ui: &mut Ui, document: &Document, entities: &[&Entity], asks: &mut Asks) {
+pub fn show(ui: &mut Ui, document: &Document, entities: &[&Entity], files: &mut Files<'_>, asks: &mut Asks) {
     let used = entities.iter().filter_map(|entity| entity.mesh.as_ref());
     let is_plain = used.clone().all(|mesh| mesh.materials.len() == 1);
     let mut ids: Vec<MaterialId> = used.flat_map(|mesh| mesh.materials.iter().copied()).collect();
@@ -46,21 +46,27 @@ pub fn show(ui: &mut Ui, document: &Document, entities: &[&Entity], asks: &mut A
     let materials: Vec<&Material> = ids.iter().filter_map(|id| document.material(*id)).collect();
     match materials.as_slice() {
         [] => {}
-        many if is_plain && many.len() > 1 => one(ui, &format!("{} materials", many.len()), many, asks),
-        many => many.iter().take(MOST).for_each(|material| one(ui, &material.name, &[material], asks)),
+        many if is_plain && many.len() > 1 => {
+            one(ui, &format!("{} materials", many.len()), many, files, asks);
+        }
+        many => {
+            for material in many.iter().take(MOST) {
+                one(ui, &material.name, &[material], files, asks);
+            }
+        }
     }
 }
 
-fn one(ui: &mut Ui, name: &str, materials: &[&Material], asks: &mut Asks) {
+fn one(ui: &mut Ui, name: &str, materials: &[&Material], files: &mut Files<'_>, asks: &mut Asks) {
     let items = materials.iter().map(|material| (material.id, *material)).collect();
     let edit = |items: Vec<(MaterialId, Material)>| {
         Edit::SetMaterials(items.into_iter().map(|(_, material)| material).collect())
     };
     let mut of = Subject::new(items, edit, asks);
-    section(ui, Icon::Material, name, None, |ui| fields_of(ui, &mut of));
+    section(ui, Icon::Material, name, None, |ui| fields_of(ui, &mut of, files));
 }
 
-fn fields_of(ui: &mut Ui, of: &mut Materials<'_>) {
+fn fields_of(ui: &mut Ui, of: &mut Materials<'_>, files: &mut Files<'_>) {
     colour::row(
         ui,
         of,
@@ -71,7 +77,7 @@ fn fields_of(ui: &mut Ui, of: &mut Materials<'_>) {
             m.albedo.color = color.clamp(glam::Vec3::ZERO, glam::Vec3::ONE);
         },
     );
-    texture(ui, of, "Color picture", |m| m.albedo.texture.as_ref());
+    slot::show(ui, of, &slot::COLOR, files);
     let share = Number::share();
     of.number(
         ui,
@@ -87,9 +93,9 @@ fn fields_of(ui: &mut Ui, of: &mut Materials<'_>) {
         |m| m.roughness.into(),
         |m, v| m.roughness = v as f32,
     );
-    texture(ui, of, "Metal, roughness", |m| m.metallic_roughness_texture.as_ref());
-    texture(ui, of, "Normals", |m| m.normal_texture.as_ref());
-    emission(ui, of);
+    slot::show(ui, of, &slot::METAL, files);
+    slot::show(ui, of, &slot::NORMALS, files);
+    emission(ui, of, files);
     let set = |m: &mut Material, kind: Kind| {
         m.alpha = match kind {
             Kind::Opaque => Alpha::Opaque,
@@ -113,7 +119,7 @@ fn fields_of(ui: &mut Ui, of: &mut Materials<'_>) {
     of.choice(ui, ("May change", changes), &CHANGES, |m| m.albedo.changes, |m, v| m.albedo.changes = v);
 }
 
-fn emission(ui: &mut Ui, of: &mut Materials<'_>) {
+fn emission(ui: &mut Ui, of: &mut Materials<'_>, files: &mut Files<'_>) {
     colour::row(
         ui,
         of,
@@ -133,18 +139,7 @@ fn emission(ui: &mut Ui, of: &mut Materials<'_>) {
         |m| m.emission.strength.into(),
         |m, v| m.emission.strength = v as f32,
     );
-    texture(ui, of, "Emission picture", |m| m.emission.texture.as_ref());
+    slot::show(ui, of, &slot::EMISSION, files);
     let sampled = "The bake aims at it: for small, bright lamps";
     of.toggle(ui, ("Aimed at", sampled), |m| m.emission.sampled, |m, on| m.emission.sampled = on);
-}
-
-/// The picture's name, where there is one.
-fn texture(ui: &mut Ui, of: &Materials<'_>, name: &str, get: fn(&Material) -> Option<&Texture>) {
-    let Some(picture) = of.first().and_then(|material| get(material)) else { return };
-    let source = format!("{:?}", picture.image);
-    let shared = of.shared(|material| get(material).map(|texture| texture.image.clone())).is_some();
-    fields::row(ui, name, &source, |ui| {
-        let text = if shared { source.clone() } else { "\u{2014}".to_owned() };
-        ui.add(eframe::egui::Label::new(text).truncate()).on_hover_text(&source);
-    });
 }

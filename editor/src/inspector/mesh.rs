@@ -6,7 +6,9 @@ use engine::scene::{Entity, EntityId, Material, MaterialId, MeshRenderer, MeshSo
 
 use super::fields::{self, Number, section};
 use super::subject::Subject;
+use super::{Files, slot};
 use crate::ask::Asks;
+use crate::assets::{Carried, Wish};
 use crate::document::Document;
 use crate::edit::Field;
 use crate::icons::Icon;
@@ -21,14 +23,20 @@ const SHAPES: [(Shape, &str); 5] = [
 
 type Meshes<'a> = Subject<'a, EntityId, MeshRenderer>;
 
-pub fn show<'a>(ui: &mut Ui, document: &Document, entities: &[&'a Entity], asks: &'a mut Asks) {
+pub fn show<'a>(
+    ui: &mut Ui,
+    document: &Document,
+    entities: &[&'a Entity],
+    files: &mut Files<'_>,
+    asks: &'a mut Asks,
+) {
     let field = |mesh| Field::Mesh(Some(Box::new(mesh)));
     let mut of = Subject::component(entities, |e| e.mesh.as_ref(), field, asks);
     if of.is_empty() {
         return;
     }
     let removed = section(ui, Icon::Mesh, "Mesh", Some("Remove the mesh"), |ui| {
-        source(ui, &mut of);
+        source(ui, &mut of, files);
         let slots = of.shared(|mesh| mesh.materials.len()).unwrap_or(0);
         for slot in 0..slots {
             material(ui, &mut of, document, slot, slots);
@@ -62,7 +70,7 @@ pub fn show<'a>(ui: &mut Ui, document: &Document, entities: &[&'a Entity], asks:
 }
 
 /// Shapes can be exchanged; what came from a file is named.
-fn source(ui: &mut Ui, of: &mut Meshes<'_>) {
+fn source(ui: &mut Ui, of: &mut Meshes<'_>, files: &Files<'_>) {
     let shape = |mesh: &MeshRenderer| match mesh.mesh {
         MeshSource::Shape(shape) => Some(shape),
         MeshSource::File { .. } => None,
@@ -70,7 +78,11 @@ fn source(ui: &mut Ui, of: &mut Meshes<'_>) {
     match of.shared(|mesh| mesh.mesh.clone()) {
         Some(MeshSource::File { file, mesh }) => {
             fields::row(ui, "Source", "The file that the mesh is read from", |ui| {
-                ui.label(RichText::new(format!("{file}, mesh {mesh}"))).on_hover_text(file);
+                if files.missing.contains(&file) {
+                    return missing(ui, &file, of);
+                }
+                let told = RichText::new(format!("{file}, mesh {mesh}"));
+                ui.add(eframe::egui::Label::new(told).truncate()).on_hover_text(file);
             })
         }
         _ if of.shared(|mesh| shape(mesh).is_some()) == Some(true) => {
@@ -92,13 +104,23 @@ fn source(ui: &mut Ui, of: &mut Meshes<'_>) {
     }
 }
 
+/// The file is not where it was.
+fn missing(ui: &mut Ui, file: &str, of: &mut Meshes<'_>) {
+    let color = ui.visuals().error_fg_color;
+    let name = format!("{} is missing", crate::assets::name(file));
+    if ui.small_button("Relink").on_hover_text("Chooses the file that stands for it").clicked() {
+        of.ask(Wish::AskForRelink { from: file.to_owned() });
+    }
+    ui.add(eframe::egui::Label::new(RichText::new(name).color(color)).truncate()).on_hover_text(file);
+}
+
 fn material(ui: &mut Ui, of: &mut Meshes<'_>, document: &Document, slot: usize, slots: usize) {
     let name = if slots == 1 { "Material".to_owned() } else { format!("Material {}", slot + 1) };
     let shared = of.shared(|mesh| mesh.materials[slot]);
     let named =
         |id: MaterialId| document.material(id).map_or("missing", |material: &Material| &material.name);
     let mut chosen = None;
-    fields::row(ui, &name, "What its surface is made of; materials are shared", |ui| {
+    let row = fields::row(ui, &name, "What its surface is made of; materials are shared", |ui| {
         let shown = ComboBox::from_id_salt(&name)
             .selected_text(shared.map_or("\u{2014}", named))
             .width(ui.available_width())
@@ -111,7 +133,13 @@ fn material(ui: &mut Ui, of: &mut Meshes<'_>, document: &Document, slot: usize, 
             });
         let id = shown.response.id;
         ui.ctx().accesskit_node_builder(id, |node| node.set_label(name.clone()));
+        shown.response
     });
+    if let Some(Carried::Material(id)) =
+        slot::carried(ui, &row, |c| matches!(c, Carried::Material(_))).as_deref()
+    {
+        chosen = Some(*id);
+    }
     if let Some(id) = chosen {
         of.set_now(id, |mesh, id| mesh.materials[slot] = id);
     }

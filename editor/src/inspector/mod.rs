@@ -11,6 +11,7 @@ mod material;
 mod mesh;
 mod probes;
 mod sky;
+mod slot;
 mod subject;
 mod transform;
 
@@ -19,13 +20,22 @@ use egui::{ScrollArea, Ui};
 use engine::scene::{Entity, EntityId};
 
 use crate::ask::Asks;
+use crate::assets::Asset;
 use crate::document::Document;
 use crate::edit::Field;
 use crate::intents::Intent;
 use crate::selection::Selection;
+use crate::thumbnails::Thumbnails;
 use crate::viewport::marks::icon_of;
 use crate::{icons, theme};
 use subject::Subject;
+
+/// What is known of the project's files.
+pub struct Files<'a> {
+    pub assets: &'a [Asset],
+    pub missing: &'a [String],
+    pub thumbnails: &'a mut Thumbnails,
+}
 
 #[derive(Default)]
 pub struct Inspector {
@@ -37,9 +47,9 @@ impl Inspector {
     pub fn show(
         &mut self,
         ui: &mut Ui,
-        document: &Document,
-        selection: &Selection,
+        (document, selection): (&Document, &Selection),
         playing: bool,
+        files: &mut Files<'_>,
         asks: &mut Asks,
     ) {
         let entities: Vec<&Entity> = selection.ids().iter().filter_map(|id| document.entity(*id)).collect();
@@ -59,7 +69,7 @@ impl Inspector {
             }
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| match entities.is_empty() {
                 true => sky::show(ui, document, asks),
-                false => components(ui, document, &entities, asks),
+                false => components(ui, document, &entities, files, asks),
             });
         });
     }
@@ -116,13 +126,19 @@ impl Inspector {
     }
 }
 
-fn components(ui: &mut Ui, document: &Document, entities: &[&Entity], asks: &mut Asks) {
+fn components(
+    ui: &mut Ui,
+    document: &Document,
+    entities: &[&Entity],
+    files: &mut Files<'_>,
+    asks: &mut Asks,
+) {
     transform::show(ui, entities, asks);
-    mesh::show(ui, document, entities, asks);
+    mesh::show(ui, document, entities, files, asks);
     light::show(ui, entities, asks);
     camera::show(ui, entities, asks);
     probes::light_probes(ui, entities, asks);
     probes::reflection_probe(ui, entities, asks);
-    material::show(ui, document, entities, asks);
+    material::show(ui, document, entities, files, asks);
     add::show(ui, entities, asks);
 }

@@ -6,7 +6,7 @@ use engine::scene::{Entity, EntityId};
 use glam::DVec3;
 
 use super::fields::{self, Number, Touched};
-use crate::ask::Asks;
+use crate::ask::{Ask, Asks};
 use crate::edit::{Edit, Field};
 use crate::intents::Intent;
 
@@ -78,6 +78,11 @@ impl<'a, K: Clone, C: Clone> Subject<'a, K, C> {
         if touched.ended {
             self.asks.push(Intent::End);
         }
+    }
+
+    /// Something else than an edit.
+    pub fn ask(&mut self, ask: impl Into<Ask>) {
+        self.asks.push(ask);
     }
 
     pub fn set_now<T: Clone>(&mut self, value: T, set: impl Fn(&mut C, T)) {

@@ -11,6 +11,7 @@ use engine::scene::{Entity, EntityId};
 
 use super::menu;
 use crate::ask::Asks;
+use crate::assets::{self, Carried, Place, Wish};
 use crate::command::{Bindings, State};
 use crate::document::Document;
 use crate::icons::{self, Icon};
@@ -136,6 +137,13 @@ impl Hierarchy {
         let response = ui.interact(below, ui.scope_id().with("beside"), egui::Sense::click());
         if response.clicked() {
             asks.push(Intent::Select(Vec::new()));
+        }
+        let model = response.dnd_hover_payload::<Carried>();
+        if model.is_some_and(|carried| matches!(*carried, Carried::File { kind: assets::Kind::Model, .. }))
+            && let Some(carried) = response.dnd_release_payload::<Carried>()
+            && let Carried::File { file, .. } = &*carried
+        {
+            asks.push(Wish::Place { file: file.clone(), place: Place::At(glam::DVec3::ZERO) });
         }
         if let Some(dropped) = response.dnd_release_payload::<Dragged>() {
             asks.push(Intent::Reparent { ids: dropped.0.clone(), parent: None, before: None });

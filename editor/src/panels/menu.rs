@@ -8,11 +8,12 @@ use crate::command::{Bindings, Category, Command, ROWS, Row, State};
 use crate::run;
 
 /// A menu and what of the table it shows, group by group.
-const MENUS: [(&str, &[Category]); 7] = [
+const MENUS: [(&str, &[Category]); 8] = [
     ("File", &[Category::File]),
     ("Edit", &[Category::Edit]),
     ("Create", &[Category::Create]),
     ("Object", &[Category::Hierarchy]),
+    ("Assets", &[Category::Assets]),
     ("View", &[Category::View, Category::Draw, Category::Tool]),
     ("Play", &[Category::Play, Category::Light]),
     ("Window", &[Category::Window, Category::Console]),

@@ -1,5 +1,6 @@
 //! The scene view: the scene as its author moves through it, with what is selected, and handles to move it.
 
+mod dropped;
 mod pick;
 
 use std::collections::HashSet;
@@ -48,6 +49,8 @@ pub struct SceneView {
     pub handling: Handling,
     pub hide_grid: bool,
     pub picture: Picture,
+    /// Of the last picture of the editor, where the panel is shown.
+    pub lens: Option<Lens>,
     grasp: Option<(Grasp, Vec<transform::Start>)>,
     /// What the pull has come to, beside the mouse.
     told: Option<String>,
@@ -77,6 +80,7 @@ impl SceneView {
 
         let exposed_as = seen.scenery.camera().unwrap_or(Eye::looking(glam::DVec3::Z, glam::DVec3::ZERO));
         let lens = Lens { eye: self.camera.eye(&exposed_as), rect };
+        self.lens = Some(lens);
         self.picture(ui, stage, seen, &lens);
         let painter = ui.painter_at(rect);
         let open =
@@ -95,6 +99,7 @@ impl SceneView {
         }
         self.paint_handles(ui, &lens, seen);
         self.list_under_mouse(ui, seen, asks);
+        dropped::show(ui, &response, &lens, seen, self.camera.pivot, asks);
     }
 
     fn picture(&mut self, ui: &Ui, stage: &mut Stage, seen: &Seen<'_>, lens: &Lens) {

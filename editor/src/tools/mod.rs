@@ -2,4 +2,5 @@
 
 pub mod drop;
 pub mod navigate;
+pub mod surface;
 pub mod transform;

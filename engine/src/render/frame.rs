@@ -284,6 +284,13 @@ impl Renderer {
         Ok(renderer)
     }
 
+    /// Meshes, pictures and materials of what was drawn go: the next scene has none of them.
+    pub fn forget(&mut self) {
+        self.meshes = Meshes::default();
+        self.pictures.forget();
+        self.materials.forget();
+    }
+
     /// Draws the scene as it is now into `display`.
     pub fn draw(&mut self, now: &Now<'_>, display: &wgpu::Texture) -> Result<Drawn, RenderError> {
         let gpu = &*self.gpu.clone();

@@ -1,6 +1,7 @@
 //! Materials on the GPU: one small uniform and one bind group each, written where the material changed.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -9,7 +10,7 @@ use super::pictures::Pictures;
 use crate::gpu::pass::{self, Binding};
 use crate::gpu::texture::Encoding;
 use crate::gpu::{Gpu, buffer};
-use crate::scene::assets::Assets;
+use crate::scene::assets::{Assets, Picture};
 use crate::scene::{Alpha, Material, MaterialId, Scene, Texture};
 
 /// `Map` in `scene/material.wgsl`.
@@ -52,6 +53,8 @@ struct Entry {
     material: Material,
     uniform: wgpu::Buffer,
     group: wgpu::BindGroup,
+    /// What the group shows: a picture that comes later, or changes, is bound anew.
+    shown: [Option<Arc<Picture>>; 4],
     /// Counts changes of where the surface has holes: shadows depend on it.
     holes: u64,
 }
@@ -86,18 +89,27 @@ impl Materials {
                 continue;
             };
             let entry = &mut self.entries[index];
-            if entry.material == *material {
+            let repainted = !same_pictures(&entry.shown, material, assets);
+            if entry.material == *material && !repainted {
                 continue;
             }
             changed = true;
-            entry.holes += u64::from(holes_differ(&entry.material, material));
-            if textures(&entry.material) != textures(material) {
+            let holes_differ = holes_differ(&entry.material, material);
+            entry.holes += u64::from(holes_differ || repainted && material.alpha != Alpha::Opaque);
+            if repainted || textures(&entry.material) != textures(material) {
                 entry.group = group(gpu, &self.layout, assets, pictures, material, &entry.uniform);
+                entry.shown = shown(material, assets);
             }
             entry.material = material.clone();
             gpu.queue.write_buffer(&entry.uniform, 0, bytemuck::bytes_of(&uniform(material)));
         }
         changed
+    }
+
+    /// All but the plain one go.
+    pub fn forget(&mut self) {
+        self.known.clear();
+        self.entries.truncate(1);
     }
 
     /// The place of a material; 0, a plain white one, where the scene has none of this id.
@@ -128,7 +140,20 @@ fn entry(
     let usage = wgpu::BufferUsages::UNIFORM;
     let uniform = buffer::filled(gpu, "material", &[uniform(&material)], usage);
     let group = group(gpu, layout, assets, pictures, &material, &uniform);
-    Entry { material, uniform, group, holes: 0 }
+    let shown = shown(&material, assets);
+    Entry { material, uniform, group, shown, holes: 0 }
+}
+
+fn shown(material: &Material, assets: &Assets) -> [Option<Arc<Picture>>; 4] {
+    textures(material).map(|texture| assets.images.get(&texture?.image).cloned())
+}
+
+fn same_pictures(shown: &[Option<Arc<Picture>>; 4], material: &Material, assets: &Assets) -> bool {
+    let pairs = shown.iter().zip(textures(material));
+    pairs.into_iter().all(|(shown, texture)| {
+        let now = texture.and_then(|texture| assets.images.get(&texture.image));
+        shown.as_ref().map(Arc::as_ptr) == now.map(Arc::as_ptr)
+    })
 }
 
 fn textures(material: &Material) -> [Option<&Texture>; 4] {

@@ -68,6 +68,12 @@ impl Pictures {
         view
     }
 
+    /// All pictures go.
+    pub fn forget(&mut self) {
+        self.known.clear();
+        self.bytes = 0;
+    }
+
     pub fn sampler(&mut self, gpu: &Gpu, texture: Option<&Texture>) -> wgpu::Sampler {
         let sampling = texture.map_or((Wrap::Repeat, Wrap::Repeat, false, true), |texture| {
             (texture.wrap_u, texture.wrap_v, texture.nearest, texture.mipmaps)

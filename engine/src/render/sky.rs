@@ -10,7 +10,7 @@ use crate::gpu::pass::{self, Binding};
 use crate::gpu::pipeline::{Compiler, Pipelines, Variant};
 use crate::gpu::texture::Encoding;
 use crate::gpu::{Gpu, buffer};
-use crate::scene::assets::Assets;
+use crate::scene::assets::{Assets, Picture};
 use crate::scene::{ImageSource, SkyKind};
 use crate::transport::direct::PlacedLight;
 
@@ -49,6 +49,8 @@ pub struct SkyPass {
     /// Drawn though there is none.
     forced: bool,
     image: Option<ImageSource>,
+    /// What is shown of it: a picture that comes later is bound anew.
+    shown: Option<Arc<Picture>>,
     group: wgpu::BindGroup,
     sampler: wgpu::Sampler,
 }
@@ -83,6 +85,7 @@ impl SkyPass {
             held: SkyUniform::default(),
             forced,
             image: None,
+            shown: None,
             sampler,
         }
     }
@@ -97,13 +100,16 @@ impl SkyPass {
         lights: &[PlacedLight],
     ) -> bool {
         let (now, image) = uniform(sky, lights);
-        let changed = now != self.held || image != self.image.as_ref();
+        let shown = image.and_then(|image| assets.images.get(image));
+        let repainted =
+            image != self.image.as_ref() || shown.map(Arc::as_ptr) != self.shown.as_ref().map(Arc::as_ptr);
+        let changed = now != self.held || repainted;
         if now != self.held {
             gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&now));
             self.held = now;
         }
-        if image != self.image.as_ref() {
-            self.image = image.cloned();
+        if repainted {
+            (self.image, self.shown) = (image.cloned(), shown.cloned());
             let view = pictures.view(gpu, assets, image, Encoding::Srgb);
             self.group = group(gpu, &self.layout, &self.uniform, &view, &self.sampler);
         }

@@ -7,9 +7,11 @@ use engine::scene::Entity;
 use super::super::menu;
 use super::{Dragged, Hierarchy, Row, Tree, icon, small_icon};
 use crate::ask::{Ask, Asks};
+use crate::assets::{Carried, Kind, Place, Wish};
 use crate::icons::Icon;
 use crate::intents::Intent;
 use crate::theme;
+use crate::tools::surface;
 
 const INDENT: f32 = 14.0;
 
@@ -69,6 +71,7 @@ impl Hierarchy {
         let ids =
             if tree.selection.contains(entity.id) { tree.selection.ids().to_vec() } else { vec![entity.id] };
         response.dnd_set_drag_payload(Dragged(ids));
+        carried_onto(ui, rect, response, entity, tree, asks);
         let Some(at) = ui.input(|input| input.pointer.hover_pos()) else { return };
         if response.dnd_hover_payload::<Dragged>().is_none() {
             return;
@@ -126,6 +129,29 @@ impl Hierarchy {
         } else {
             response.request_focus();
         }
+    }
+}
+
+/// A model comes to stand under the row's entity, a material is given to it.
+fn carried_onto(ui: &Ui, rect: Rect, response: &Response, entity: &Entity, tree: &Tree<'_>, asks: &mut Asks) {
+    let takes = |carried: &Carried| match carried {
+        Carried::File { kind, .. } => *kind == Kind::Model,
+        Carried::Material(_) => entity.mesh.is_some(),
+    };
+    if !response.dnd_hover_payload::<Carried>().is_some_and(|carried| takes(&carried)) {
+        return;
+    }
+    let accent = Stroke::new(2.0, theme::accent(ui.visuals()));
+    ui.painter().rect_stroke(rect, 3.0, accent, egui::StrokeKind::Inside);
+    match response.dnd_release_payload::<Carried>().as_deref() {
+        Some(Carried::File { file, .. }) => {
+            asks.push(Wish::Place { file: file.clone(), place: Place::Under(entity.id) });
+        }
+        Some(Carried::Material(material)) => {
+            let edit = surface::assign(tree.document, entity.id, None, *material);
+            edit.into_iter().for_each(|edit| asks.push(Intent::Commit(edit)));
+        }
+        None => {}
     }
 }
 
