@@ -59,7 +59,7 @@ pub struct Editor {
     pub(crate) hierarchy: Hierarchy,
     inspector: Inspector,
     pub(crate) files: AssetList,
-    pub(crate) thumbnails: Thumbnails,
+    pub thumbnails: Thumbnails,
     pub(crate) bring: bring::Bring,
     pub(crate) console: Console,
     pub(crate) palette: Palette,
@@ -323,6 +323,11 @@ impl Editor {
             ui.ctx().send_viewport_cmd(ViewportCommand::Title(title.clone()));
             self.title = title;
         }
+    }
+
+    /// What the scene refers to, as far as it is in memory.
+    pub fn assets(&self) -> &Assets {
+        &self.assets
     }
 
     /// As the window's title says it.

@@ -23,6 +23,9 @@ const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 /// An eye that adapts by itself is watched for so long after the last change.
 const ADAPTS: Duration = Duration::from_secs(3);
 
+/// Bytes of meshes, and as many of pictures, that one picture brings to the GPU.
+const UPLOADS: u64 = 24 << 20;
+
 /// The renderer, and what it lights scenes with.
 pub struct Stage {
     state: RenderState,
@@ -43,6 +46,7 @@ impl Stage {
     ) -> Result<Self, RenderError> {
         let gpu = Gpu::from_device(state.adapter.clone(), state.device.clone(), state.queue.clone())?;
         let gpu = Arc::new(gpu);
+        let settings = Settings { uploads: Some(UPLOADS), ..settings };
         let renderer = Renderer::asked(gpu.clone(), transport.clone(), assets, settings, features.clone())?;
         Ok(Self { state: state.clone(), gpu, renderer, transport, settings, features })
     }

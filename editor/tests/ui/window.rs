@@ -1,10 +1,13 @@
 //! The editor in a window that nobody sees: driven by mouse and keyboard, found by what screen readers are told.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
 
 use editor::app::{Editor, wgpu_setup};
 use editor::gizmo::Stand;
 use editor::lens::Lens;
+use editor::log::Level;
 use editor::opened::Opened;
 use editor::theme;
 use eframe::egui_wgpu::{RenderState, RendererOptions, WgpuConfiguration, WgpuSetupCreateNew};
@@ -18,7 +21,7 @@ use glam::{DQuat, DVec3};
 
 pub struct Window {
     pub harness: Harness<'static, Editor>,
-    _folder: tempfile::TempDir,
+    folder: tempfile::TempDir,
 }
 
 /// The Cornell box, not baked. `None`, with a line, where there is no GPU.
@@ -37,7 +40,7 @@ pub fn open_sized(size: Vec2) -> Option<Window> {
         .with_context_setup(theme::install)
         .renderer(WgpuTestRenderer::from_render_state(state))
         .build_ui_state(|ui, editor: &mut Editor| editor.ui(ui), editor);
-    let mut window = Window { harness, _folder: folder };
+    let mut window = Window { harness, folder };
     window.settle();
     Some(window)
 }
@@ -150,5 +153,65 @@ impl Window {
         }
         self.harness.drop_at(to);
         self.settle();
+    }
+
+    /// For files that lie outside the project.
+    pub fn folder(&self) -> &Path {
+        self.folder.path()
+    }
+
+    pub fn project(&self) -> PathBuf {
+        self.editor().session.document.project().to_owned()
+    }
+
+    /// Picture after picture until it is so.
+    pub fn wait_until(&mut self, what: &str, is_so: impl Fn(&Self) -> bool) {
+        for _ in 0..6000 {
+            if is_so(self) {
+                return self.settle();
+            }
+            self.harness.step();
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        panic!("{what} never came about: {}", self.told());
+    }
+
+    /// All that the console says.
+    pub fn told(&self) -> String {
+        let lines = self.editor().session.log.filtered(&[Level::Info, Level::Warning, Level::Error], "");
+        lines.iter().map(|line| format!("{:?}: {}\n", line.level, line.text)).collect()
+    }
+
+    pub fn errors(&self) -> Vec<String> {
+        let lines = self.editor().session.log.filtered(&[Level::Error], "");
+        lines.into_iter().map(|line| line.text).collect()
+    }
+
+    /// From the desktop, in one picture; it is not waited for what comes of it.
+    pub fn drop_files(&mut self, files: &[PathBuf], at: Pos2) {
+        self.harness.hover_at(at);
+        self.settle();
+        self.queue_files(files);
+        self.harness.step();
+    }
+
+    /// They are dropped where the mouse is, in the next picture.
+    pub fn queue_files(&mut self, files: &[PathBuf]) {
+        let dropped = files.iter().map(|file| Arc::new(Dropped(file.clone())) as egui::DroppedFileHandle);
+        let dropped: Vec<_> = dropped.collect();
+        self.harness.input_mut().dropped_files.extend(dropped);
+    }
+}
+
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        std::fs::read(&self.0).map_err(|error| error.to_string())
     }
 }

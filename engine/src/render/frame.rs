@@ -43,6 +43,7 @@ use super::surface::Surfaces;
 use super::targets::{self, Targets};
 use super::tonemap::{self, Tonemap};
 use super::unit::Rescale;
+use super::uploads::Uploads;
 use super::view::{Eye, View};
 use super::{RenderError, lights, shaders};
 use crate::gpu::pass::{self, Binding};
@@ -81,6 +82,8 @@ pub struct Settings {
     pub unlimited_gain: bool,
     /// Of every frame, to measure what they bring; `None`: as many as the bound asks for.
     pub products: Option<u32>,
+    /// Bytes of meshes, and as many of pictures, that a frame brings to the GPU; `None`: all that it shows.
+    pub uploads: Option<u64>,
 }
 
 /// What a frame came to.
@@ -93,6 +96,8 @@ pub struct Drawn {
     pub shadow_draws: u32,
     /// Faces of cubemaps.
     pub captures: u32,
+    /// Meshes and materials that are not shown yet, as they are still on their way to the GPU.
+    pub waiting: u32,
     /// All of them: of shadow maps, captures, the picture, light.
     pub passes: Passes,
     /// The error of B is at most this share of the largest B: measured last, which is before this frame's last
@@ -222,6 +227,7 @@ impl Renderer {
         let spaces = Spaces::new(gpu_ref, &transport)?;
         let occluders = Occluders::new(&transport);
         let mut pictures = Pictures::new(gpu_ref, compiler);
+        pictures.uploads = Uploads::at_most(settings.uploads);
         let materials = Materials::new(gpu_ref, assets, &mut pictures);
         let of_shadows = ShadowsAsked {
             maps: forced(Feature::ShadowMaps),
@@ -233,7 +239,7 @@ impl Renderer {
         let renderer = Self {
             samples: settings.samples.unwrap_or_else(|| targets::most_samples(gpu_ref)),
             timer: Timer::new(gpu_ref),
-            meshes: Meshes::default(),
+            meshes: Meshes { uploads: Uploads::at_most(settings.uploads), ..Meshes::default() },
             still: StillBuffers::new(gpu_ref, &transport)?,
             instances: Instances::new(gpu_ref, &transport),
             sources: Sources::new(transport.clone(), &settings, forced(Feature::CoarseCorrection)),
@@ -286,7 +292,7 @@ impl Renderer {
 
     /// Meshes, pictures and materials of what was drawn go: the next scene has none of them.
     pub fn forget(&mut self) {
-        self.meshes = Meshes::default();
+        self.meshes.forget();
         self.pictures.forget();
         self.materials.forget();
     }
@@ -295,6 +301,8 @@ impl Renderer {
     pub fn draw(&mut self, now: &Now<'_>, display: &wgpu::Texture) -> Result<Drawn, RenderError> {
         let gpu = &*self.gpu.clone();
         self.receive();
+        self.meshes.uploads.begin();
+        self.pictures.uploads.begin();
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
 
         // What stands where, what it is made of, what shines.
@@ -367,6 +375,7 @@ impl Renderer {
         self.exposure.sent();
         self.finish(gpu)?;
         drawn.bound = self.bound();
+        drawn.waiting = self.meshes.uploads.waiting() + self.pictures.uploads.waiting();
         Ok(drawn)
     }
 

@@ -11,7 +11,7 @@ use crate::gpu::pass::{self, Binding};
 use crate::gpu::texture::Encoding;
 use crate::gpu::{Gpu, buffer};
 use crate::scene::assets::{Assets, Picture};
-use crate::scene::{Alpha, Material, MaterialId, Scene, Texture};
+use crate::scene::{Alpha, ImageSource, Material, MaterialId, Scene, Texture};
 
 /// `Map` in `scene/material.wgsl`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -42,6 +42,9 @@ const MASK: u32 = 1;
 const BLEND: u32 = 2;
 const UNLIT: u32 = 4;
 const DOUBLE_SIDED: u32 = 8;
+
+/// Of a material's pictures.
+const ENCODINGS: [Encoding; 4] = [Encoding::Srgb, Encoding::Linear, Encoding::Linear, Encoding::Srgb];
 
 pub struct Materials {
     layout: wgpu::BindGroupLayout,
@@ -83,6 +86,9 @@ impl Materials {
         let mut changed = self.known.len() != before;
         for material in &scene.materials {
             let Some(&index) = self.known.get(&material.id) else {
+                if !pictures.has_time(assets, images(material)) {
+                    continue;
+                }
                 self.known.insert(material.id, self.entries.len());
                 self.entries.push(entry(gpu, &self.layout, assets, pictures, material.clone()));
                 changed = true;
@@ -90,7 +96,7 @@ impl Materials {
             };
             let entry = &mut self.entries[index];
             let repainted = !same_pictures(&entry.shown, material, assets);
-            if entry.material == *material && !repainted {
+            if entry.material == *material && !repainted || !pictures.has_time(assets, images(material)) {
                 continue;
             }
             changed = true;
@@ -148,6 +154,11 @@ fn shown(material: &Material, assets: &Assets) -> [Option<Arc<Picture>>; 4] {
     textures(material).map(|texture| assets.images.get(&texture?.image).cloned())
 }
 
+fn images(material: &Material) -> impl Iterator<Item = (ImageSource, Encoding)> {
+    let images = textures(material).into_iter().zip(ENCODINGS);
+    images.filter_map(|(texture, encoding)| Some((texture?.image.clone(), encoding)))
+}
+
 fn same_pictures(shown: &[Option<Arc<Picture>>; 4], material: &Material, assets: &Assets) -> bool {
     let pairs = shown.iter().zip(textures(material));
     pairs.into_iter().all(|(shown, texture)| {
@@ -178,10 +189,9 @@ fn group(
     uniform: &wgpu::Buffer,
 ) -> wgpu::BindGroup {
     let textures = textures(material);
-    let encodings = [Encoding::Srgb, Encoding::Linear, Encoding::Linear, Encoding::Srgb];
     let views: Vec<_> = textures
         .iter()
-        .zip(encodings)
+        .zip(ENCODINGS)
         .map(|(texture, encoding)| {
             pictures.view(gpu, assets, texture.map(|texture| &texture.image), encoding)
         })

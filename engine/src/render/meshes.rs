@@ -6,6 +6,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use wgpu::BufferUsages as Usage;
 
+use super::uploads::Uploads;
 use crate::gpu::{Gpu, GpuError, buffer};
 use crate::scene::assets::Assets;
 use crate::scene::mesh::Primitive;
@@ -66,26 +67,41 @@ impl StillBuffers {
 pub struct Meshes {
     known: HashMap<MeshSource, usize>,
     pub all: Vec<MeshBuffers>,
+    pub uploads: Uploads,
 }
 
 impl Meshes {
-    /// The place of a mesh in `all`; uploads it the first time. `None`: the assets do not have it.
+    /// The place of a mesh in `all`; uploads it the first time. `None`: the assets do not have it, or it has to wait.
     pub fn find(&mut self, gpu: &Gpu, assets: &Assets, source: &MeshSource) -> Option<usize> {
         let mesh = assets.meshes.get(source)?;
         if let Some(&index) = self.known.get(source) {
-            if !Arc::ptr_eq(&self.all[index].source, mesh) {
+            if !Arc::ptr_eq(&self.all[index].source, mesh) && self.uploads.take(bytes(mesh)) {
                 self.all[index] = upload(gpu, mesh);
             }
             return Some(index);
+        }
+        if !self.uploads.take(bytes(mesh)) {
+            return None;
         }
         self.known.insert(source.clone(), self.all.len());
         self.all.push(upload(gpu, mesh));
         Some(self.all.len() - 1)
     }
 
+    /// All of them go.
+    pub fn forget(&mut self) {
+        self.known.clear();
+        self.all.clear();
+    }
+
     pub fn bytes(&self) -> u64 {
         self.all.iter().map(|mesh| mesh.vertices.size() + mesh.indices.size()).sum()
     }
+}
+
+/// On the GPU.
+fn bytes(mesh: &Mesh) -> u64 {
+    (mesh.positions.len() * size_of::<Vertex>() + size_of_val(mesh.indices.as_slice())) as u64
 }
 
 fn upload(gpu: &Gpu, mesh: &Arc<Mesh>) -> MeshBuffers {

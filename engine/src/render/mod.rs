@@ -48,6 +48,7 @@ pub mod surface;
 pub mod targets;
 pub mod tonemap;
 pub mod unit;
+pub mod uploads;
 pub mod view;
 
 use crate::gpu::GpuError;

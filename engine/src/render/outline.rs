@@ -116,7 +116,7 @@ impl Renderer {
 impl Drawn {
     /// Whether another picture of the same scene would be the same: light has settled, nothing is being captured.
     pub fn is_settled(&self) -> bool {
-        self.products == 0 && self.captures == 0 && self.transport_dispatches == 0
+        self.products == 0 && self.captures == 0 && self.transport_dispatches == 0 && self.waiting == 0
     }
 }
 

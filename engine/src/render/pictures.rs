@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::shaders;
+use super::uploads::Uploads;
 use crate::gpu::Gpu;
 use crate::gpu::pass::{self, Binding};
 use crate::gpu::pipeline::{Compiler, Pipelines, Variant};
@@ -21,6 +22,8 @@ pub struct Pictures {
     white: wgpu::TextureView,
     shrink: Shrink,
     pub bytes: u64,
+    /// Asked by those that have time.
+    pub uploads: Uploads,
 }
 
 struct Known {
@@ -37,6 +40,7 @@ impl Pictures {
             white: white.create_view(&Default::default()),
             shrink: Shrink::new(gpu, compiler),
             bytes: 0,
+            uploads: Uploads::default(),
         }
     }
 
@@ -72,6 +76,20 @@ impl Pictures {
     pub fn forget(&mut self) {
         self.known.clear();
         self.bytes = 0;
+    }
+
+    /// Whether these can be shown in this frame: what is not on the GPU yet may have to wait.
+    pub fn has_time(&mut self, assets: &Assets, images: impl Iterator<Item = (ImageSource, Encoding)>) -> bool {
+        let is_new = |image: &ImageSource, encoding: Encoding, picture: &Arc<Picture>| {
+            let known = self.known.get(&(image.clone(), encoding));
+            !known.is_some_and(|known| Arc::ptr_eq(&known.source, picture))
+        };
+        let bytes = images.filter_map(|(image, encoding)| {
+            let picture = assets.images.get(&image).filter(|picture| is_new(&image, encoding, picture))?;
+            Some(u64::from(picture.width) * u64::from(picture.height) * 16 / 3)
+        });
+        let bytes: u64 = bytes.sum();
+        bytes == 0 || self.uploads.take(bytes)
     }
 
     pub fn sampler(&mut self, gpu: &Gpu, texture: Option<&Texture>) -> wgpu::Sampler {

@@ -97,7 +97,7 @@ pub(super) fn of_folder(ui: &mut Ui, folder: &str, asks: &mut Asks) {
 
 /// As entries are told apart.
 pub(super) fn material_key(id: MaterialId) -> String {
-    format!("material {}", id.0)
+    format!("material #{}", id.0)
 }
 
 pub(super) fn rename_material(material: &Material, name: String, asks: &mut Asks) {
