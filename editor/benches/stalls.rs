@@ -97,7 +97,9 @@ fn orbit(window: &mut Window, at: Pos2) -> Steps {
     window.harness.event_modifiers(button(true), Modifiers::ALT);
     steps.step(window);
     for n in 0..20 {
-        window.harness.event_modifiers(Event::PointerMoved(at + egui::vec2(n as f32 * 6.0, 0.0)), Modifiers::ALT);
+        window
+            .harness
+            .event_modifiers(Event::PointerMoved(at + egui::vec2(n as f32 * 6.0, 0.0)), Modifiers::ALT);
         steps.step(window);
     }
     window.harness.event_modifiers(button(false), Modifiers::NONE);

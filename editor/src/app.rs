@@ -2,6 +2,7 @@
 
 mod beside;
 mod bring;
+mod drops;
 mod leave;
 mod window;
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{self, Receiver};
 
-use eframe::egui::{Context, Pos2, Ui};
+use eframe::egui::{Context, Ui};
 use engine::scene::assets::Assets;
 use engine::scene::import::settings::ImportSettings;
 use engine::scene::{MeshSource, Scene, Warning, shape};
@@ -15,8 +15,6 @@ use super::Editor;
 use crate::assets::{self, Place, Wish};
 use crate::importing::{Ended, Imports, Order, Ready, Record, Then, load, reimport};
 use crate::log::Source;
-use crate::panels::assets::reads_models;
-use crate::tools::surface;
 use crate::watch::Changed;
 
 /// What goes on with files.
@@ -34,8 +32,8 @@ pub(crate) struct Bring {
     /// Of this session: where the files of undone renames are.
     moved: Vec<(String, String)>,
     /// Dropped by the desktop, which does not say where: the mouse does when it is seen again. With the pictures waited.
-    dropped: Option<(Vec<PathBuf>, u32)>,
-    browsing: Option<Receiver<Vec<PathBuf>>>,
+    pub(super) dropped: Option<(Vec<PathBuf>, u32)>,
+    pub(super) browsing: Option<Receiver<Vec<PathBuf>>>,
 }
 
 /// What was read, and the files that were asked for.
@@ -64,9 +62,6 @@ enum Done {
     Folder(Result<String, String>),
     Recorded(Result<(), String>),
 }
-
-/// Pictures that the mouse is waited for after a drop.
-const PATIENCE: u32 = 30;
 
 impl Editor {
     pub(crate) fn wish(&mut self, wish: Wish, ui: &Ui) {
@@ -107,7 +102,7 @@ impl Editor {
         ui.ctx().request_repaint();
     }
 
-    fn import(&mut self, source: PathBuf, settings: Option<ImportSettings>, then: Then) {
+    pub(super) fn import(&mut self, source: PathBuf, settings: Option<ImportSettings>, then: Then) {
         let document = &self.session.document;
         let scene = (then == Then::Again).then(|| document.name().to_owned());
         let (project, known) = (document.project().to_owned(), self.assets.clone());
@@ -131,7 +126,7 @@ impl Editor {
         });
         done.into_iter().for_each(|done| self.take_done(done, ui.ctx()));
         self.complete(ui.ctx());
-        let waits = !self.bring.imports.is_idle() || !self.bring.work.is_empty();
+        let waits = !self.bring.imports.is_idle() || !self.bring.work.is_empty() || self.files.is_listing();
         if waits || self.bring.loading.is_some() || self.bring.browsing.is_some() {
             ui.ctx().request_repaint_after(std::time::Duration::from_millis(30));
         }
@@ -217,6 +212,9 @@ impl Editor {
         let Ok(below) = path.strip_prefix(self.session.document.project()) else { return };
         let file = below.iter().map(|part| part.to_string_lossy()).collect::<Vec<_>>().join("/");
         self.files.refresh();
+        if !self.files.is_used(&file) {
+            return; // it has another name since
+        }
         if change == Changed::Gone {
             let told = format!("{file} is gone: put it back, or relink it in the assets panel");
             return self.session.log.warning(Source::File(path.to_owned()), told);
@@ -347,61 +345,7 @@ impl Editor {
             return;
         }
     }
-
-    fn browse(&mut self, ctx: &Context) {
-        let (sender, receiver) = mpsc::channel();
-        let ctx = ctx.clone();
-        self.bring.browsing = Some(receiver);
-        std::thread::spawn(move || {
-            let dialog = rfd::FileDialog::new()
-                .set_title("Import")
-                .add_filter("Models and pictures", &ENDINGS)
-                .add_filter("All files", &["*"]);
-            // Nobody waits any more where the editor is gone.
-            let _ = sender.send(dialog.pick_files().unwrap_or_default());
-            ctx.request_repaint();
-        });
-    }
-
-    fn take_browsed(&mut self) {
-        let Some(browsing) = &self.bring.browsing else { return };
-        match browsing.try_recv() {
-            Err(mpsc::TryRecvError::Empty) => return,
-            Ok(sources) if reads_models(&sources) => self.files.ask_how(sources),
-            Ok(sources) => sources.into_iter().for_each(|source| self.import(source, None, Then::Keep)),
-            Err(mpsc::TryRecvError::Disconnected) => {}
-        }
-        self.bring.browsing = None;
-    }
-
-    /// Files from the desktop: into the scene where the mouse is over it, else into the project.
-    fn take_dropped(&mut self, ui: &Ui) {
-        let (new, at) = ui.input(|input| {
-            let files = input.raw.dropped_files.iter().map(|file| file.path().to_owned());
-            (files.collect::<Vec<PathBuf>>(), input.pointer.latest_pos())
-        });
-        if !new.is_empty() {
-            self.bring.dropped = Some((new, 0));
-        }
-        let Some((sources, waited)) = self.bring.dropped.take() else { return };
-        if at.is_none() && waited < PATIENCE {
-            self.bring.dropped = Some((sources, waited + 1));
-            return ui.ctx().request_repaint();
-        }
-        let place = at.and_then(|at| self.place_under(at));
-        self.wish(Wish::Bring { sources, settings: None, place }, ui);
-    }
-
-    /// Where a point of the scene view leads. `None`: it is not in the scene view.
-    fn place_under(&self, at: Pos2) -> Option<Place> {
-        let lens = self.scene.lens.filter(|lens| lens.rect.contains(at))?;
-        let far = self.scene.camera.pivot.distance(lens.eye.position);
-        let seen = (&self.session.document, &self.scenery());
-        Some(Place::At(surface::place(seen, &lens.ray(at), far)))
-    }
 }
-
-const ENDINGS: [&str; 10] = ["gltf", "glb", "obj", "png", "jpg", "jpeg", "hdr", "bmp", "tga", "GLB"];
 
 /// Shapes lie in no file.
 fn add_shapes(assets: &mut Arc<Assets>, scene: &Scene) {

@@ -68,7 +68,7 @@ impl Inspector {
                 self.head(ui, &entities, asks);
             }
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| match entities.is_empty() {
-                true => sky::show(ui, document, asks),
+                true => sky::show(ui, document, files, asks),
                 false => components(ui, document, &entities, files, asks),
             });
         });

@@ -1,11 +1,11 @@
 //! The sky, shown where nothing is selected.
 
-use eframe::egui::{self, Ui};
+use eframe::egui::Ui;
 use engine::scene::{Sky, SkyKind};
 
-use super::fields::{self, Number, section};
+use super::fields::{Number, section};
 use super::subject::Subject;
-use super::{colour, light};
+use super::{Files, colour, light, slot};
 use crate::ask::Asks;
 use crate::document::Document;
 use crate::edit::Edit;
@@ -29,7 +29,7 @@ fn kind(sky: &Sky) -> Kind {
     }
 }
 
-pub fn show(ui: &mut Ui, document: &Document, asks: &mut Asks) {
+pub fn show(ui: &mut Ui, document: &Document, files: &mut Files<'_>, asks: &mut Asks) {
     let sky = &document.scene().sky;
     let edit = |items: Vec<((), Sky)>| match items.into_iter().next() {
         Some((_, sky)) => Edit::Sky(Box::new(sky)),
@@ -43,16 +43,19 @@ pub fn show(ui: &mut Ui, document: &Document, asks: &mut Asks) {
             kinds.push((Kind::Picture, "Picture"));
         }
         of.choice(ui, ("Kind", "What rays see that leave the scene"), &kinds, kind, set_kind);
+        let shown = match &sky.kind {
+            SkyKind::Picture { image, .. } => Some(image.clone()),
+            _ => None,
+        };
+        let tooltip = "Equirectangular: all around, from straight above to straight below";
+        if let Some(image) = slot::field(ui, ("Sky picture", tooltip), Some(&shown), files) {
+            of.set_now(image, set_picture);
+        }
         match &sky.kind {
             SkyKind::None => {}
             SkyKind::Constant { .. } => constant(ui, &mut of),
             SkyKind::Gradient { .. } => gradient(ui, &mut of),
-            SkyKind::Picture { image, .. } => {
-                fields::row(ui, "Picture", "Equirectangular", |ui| {
-                    ui.add(egui::Label::new(format!("{image:?}")).truncate());
-                });
-                picture(ui, &mut of);
-            }
+            SkyKind::Picture { .. } => picture(ui, &mut of),
         }
         let changes = "What of it may change while the scene plays: the less, the cheaper";
         of.choice(ui, ("May change", changes), &light::CHANGES, |s| s.changes, |s, v| s.changes = v);
@@ -65,6 +68,18 @@ fn set_kind(sky: &mut Sky, kind: Kind) {
         Kind::Constant => SkyKind::Constant { radiance: glam::Vec3::splat(0.5) },
         Kind::Gradient => primitives::day().kind,
         Kind::Picture => return,
+    };
+}
+
+/// As strong and as turned as the one before; without one it is day.
+fn set_picture(sky: &mut Sky, image: Option<engine::scene::ImageSource>) {
+    let (strength, turn) = match sky.kind {
+        SkyKind::Picture { strength, turn, .. } => (strength, turn),
+        _ => (1.0, 0.0),
+    };
+    sky.kind = match image {
+        Some(image) => SkyKind::Picture { image, strength, turn },
+        None => primitives::day().kind,
     };
 }
 

@@ -54,26 +54,35 @@ pub const EMISSION: Slot = Slot {
 
 pub fn show(ui: &mut Ui, of: &mut Materials<'_>, slot: &Slot, files: &mut Files<'_>) {
     let shared = of.shared(|material| (slot.get)(material).map(|texture| texture.image.clone()));
-    let touched = fields::row(ui, slot.name, slot.tooltip, |ui| {
+    if let Some(image) = field(ui, (slot.name, slot.tooltip), shared.as_ref(), files) {
+        of.set_now(image, |material, image| assign((slot.place)(material), image));
+    }
+}
+
+/// A row for a picture, or none. `shared`: what all have, `None`: they differ. Returns what is chosen instead.
+pub fn field(
+    ui: &mut Ui,
+    (name, tooltip): (&str, &str),
+    shared: Option<&Option<ImageSource>>,
+    files: &mut Files<'_>,
+) -> Option<Option<ImageSource>> {
+    fields::row(ui, name, tooltip, |ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
-        let has_one = shared.as_ref() != Some(&None);
+        let has_one = shared != Some(&None);
         let room = ui.available_width() - if has_one { 20.0 } else { 0.0 };
         let (rect, response) = ui.allocate_exact_size(vec2(room, theme::ROW), Sense::click());
-        response.widget_info(|| WidgetInfo::labeled(Role::Button, ui.is_enabled(), slot.name));
-        paint(ui, rect, &response, shared.as_ref(), files);
-        let chosen = choose(ui, &response, slot, shared.as_ref(), files).map(Some);
+        response.widget_info(|| WidgetInfo::labeled(Role::Button, ui.is_enabled(), name));
+        paint(ui, rect, &response, shared, files);
+        let chosen = choose(ui, &response, tooltip, shared, files).map(Some);
         let is_picture = |carried: &Carried| matches!(carried, Carried::File { kind: Kind::Picture, .. });
         let dropped = carried(ui, &response, is_picture).and_then(|carried| match &*carried {
             Carried::File { file, .. } => Some(Some(ImageSource { file: file.clone(), image: None })),
             Carried::Material(_) => None,
         });
-        let name = format!("Clear {}", slot.name.to_lowercase());
+        let name = format!("Clear {}", name.to_lowercase());
         let cleared = has_one && fields::small_button(ui, Icon::Close, &name).clicked();
         chosen.or(dropped).or(cleared.then_some(None))
-    });
-    if let Some(image) = touched {
-        of.set_now(image, |material, image| assign((slot.place)(material), image));
-    }
+    })
 }
 
 /// How a picture lies on the surface stays when another takes its place.
@@ -149,13 +158,13 @@ fn name(image: &ImageSource) -> String {
 fn choose(
     ui: &Ui,
     response: &Response,
-    slot: &Slot,
+    tooltip: &str,
     shared: Option<&Option<ImageSource>>,
     files: &mut Files<'_>,
 ) -> Option<ImageSource> {
     let mut chosen = None;
     Popup::menu(response).width(240.0).show(|ui| {
-        ui.weak(slot.tooltip);
+        ui.weak(tooltip);
         ui.separator();
         let pictures: Vec<&str> = files
             .assets

@@ -155,6 +155,16 @@ impl AssetList {
         self.assets.iter().any(|asset| asset.file == file)
     }
 
+    /// By the scene.
+    pub fn is_used(&self, file: &str) -> bool {
+        self.users.contains_key(file)
+    }
+
+    /// It is being read.
+    pub fn is_listing(&self) -> bool {
+        self.listing.is_some()
+    }
+
     pub fn assets(&self) -> &[Asset] {
         &self.assets
     }

@@ -135,3 +135,34 @@ fn eye(scene: &Scene, world_from_local: &[DAffine3], assets: &Assets, reach: f64
     eye.near = (radius * 0.01) as f32;
     eye
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ball_has_its_materials_color_and_a_model_fills_its_picture() {
+        let Ok(gpu) = Gpu::headless() else { return println!("not run: no GPU adapter") };
+        let mut painter = Painter::new(Arc::new(gpu)).unwrap();
+        let pixel = |image: &ColorImage, x: usize, y: usize| image.pixels[y * SIDE as usize + x].to_array();
+        for part in [0, 2] {
+            let mut material = Material::default();
+            material.albedo.color = Vec3::AXES[part];
+            let image = painter.material(&material, Vec::new()).unwrap();
+            let middle = pixel(&image, SIDE as usize / 2, SIDE as usize / 2);
+            let other = if part == 0 { 2 } else { 0 };
+            assert!(middle[part] > 90 && middle[other] < middle[part] / 2, "{middle:?}");
+        }
+        let mut bright = Material::default();
+        (bright.unlit, bright.albedo.color) = (true, Vec3::X);
+        let image = painter.material(&bright, Vec::new()).unwrap();
+        let red = image.pixels.iter().filter(|pixel| pixel.r() > 200 && pixel.g() < 60).count();
+        let share = red as f64 / image.pixels.len() as f64;
+        assert!(
+            (0.4..0.79).contains(&share),
+            "the ball is as large as the picture allows, and all in it: {share}"
+        );
+        let edge = (0..SIDE as usize).flat_map(|at| [pixel(&image, at, 0), pixel(&image, 0, at)]);
+        assert!(edge.into_iter().all(|pixel| pixel[0] < 200), "nothing is cut off");
+    }
+}

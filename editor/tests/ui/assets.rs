@@ -254,10 +254,10 @@ fn a_material_is_dragged_onto_a_cube() {
     let before = window.entity(id).mesh.as_ref().unwrap().materials.clone();
     assert_ne!(before, [material]);
     window.click("Materials");
-    let from = window.node(&format!("material #{}", material.0));
-    from.scroll_to_me();
+    let name = format!("material #{}", material.0);
+    window.node(&name).scroll_to_me();
     window.settle();
-    let from = window.node(&format!("material #{}", material.0)).rect().center();
+    let from = window.node(&name).rect().center();
     let to = window.seen_at(top);
     window.drag(from, to);
     assert_eq!(window.entity(id).mesh.as_ref().unwrap().materials, [material]);

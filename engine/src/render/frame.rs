@@ -239,7 +239,7 @@ impl Renderer {
         let renderer = Self {
             samples: settings.samples.unwrap_or_else(|| targets::most_samples(gpu_ref)),
             timer: Timer::new(gpu_ref),
-            meshes: Meshes { uploads: Uploads::at_most(settings.uploads), ..Meshes::default() },
+            meshes: Meshes::new(Uploads::at_most(settings.uploads)),
             still: StillBuffers::new(gpu_ref, &transport)?,
             instances: Instances::new(gpu_ref, &transport),
             sources: Sources::new(transport.clone(), &settings, forced(Feature::CoarseCorrection)),

@@ -71,6 +71,10 @@ pub struct Meshes {
 }
 
 impl Meshes {
+    pub fn new(uploads: Uploads) -> Self {
+        Self { uploads, ..Self::default() }
+    }
+
     /// The place of a mesh in `all`; uploads it the first time. `None`: the assets do not have it, or it has to wait.
     pub fn find(&mut self, gpu: &Gpu, assets: &Assets, source: &MeshSource) -> Option<usize> {
         let mesh = assets.meshes.get(source)?;

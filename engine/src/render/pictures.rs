@@ -79,7 +79,11 @@ impl Pictures {
     }
 
     /// Whether these can be shown in this frame: what is not on the GPU yet may have to wait.
-    pub fn has_time(&mut self, assets: &Assets, images: impl Iterator<Item = (ImageSource, Encoding)>) -> bool {
+    pub fn has_time(
+        &mut self,
+        assets: &Assets,
+        images: impl Iterator<Item = (ImageSource, Encoding)>,
+    ) -> bool {
         let is_new = |image: &ImageSource, encoding: Encoding, picture: &Arc<Picture>| {
             let known = self.known.get(&(image.clone(), encoding));
             !known.is_some_and(|known| Arc::ptr_eq(&known.source, picture))
