@@ -12,18 +12,13 @@ use crate::command::{Command, State};
 use crate::gizmo::Tool;
 use crate::intents::{Intent, Session};
 use crate::layout::{self, Pane};
+use crate::panels::preferences::Tab;
 use crate::primitives::Primitive;
 use crate::recent::Theme;
 use crate::tools;
 
 /// Commands of the table that this editor has no part for yet: no menu shows them, no key gives them.
-const NOT_YET: [Command; 15] = [
-    Command::NewProject,
-    Command::NewScene,
-    Command::OpenScene,
-    Command::SaveAs,
-    Command::Recover,
-    Command::Preferences,
+const NOT_YET: [Command; 8] = [
     Command::ToggleVertexSnapping,
     Command::ViewCamera,
     Command::ToggleGizmos,
@@ -32,7 +27,6 @@ const NOT_YET: [Command; 15] = [
     Command::EditLightProbes,
     Command::ShowTetrahedra,
     Command::ShowProbeSlice,
-    Command::Shortcuts,
 ];
 
 pub fn is_known(command: Command) -> bool {
@@ -119,9 +113,14 @@ impl Editor {
             Command::SelectChildren | Command::Rename => self.choose(command),
             Command::Play | Command::Pause | Command::Step => self.run_play(command),
             Command::Bake | Command::CancelBake => self.run_bake(command),
-            Command::Save | Command::Reload | Command::Recover | Command::OpenProject | Command::Quit => {
-                self.file(command, ui);
-            }
+            Command::Save | Command::Reload | Command::Quit => self.file(command, ui),
+            Command::NewProject
+            | Command::OpenProject
+            | Command::NewScene
+            | Command::OpenScene
+            | Command::SaveAs => self.ask_for_file(command),
+            Command::Preferences => self.settings.open(Tab::Appearance),
+            Command::Shortcuts => self.settings.open(Tab::Shortcuts),
             Command::ResetLayout
             | Command::ToggleTheme
             | Command::ScaleUp
@@ -277,12 +276,6 @@ impl Editor {
                     log.scene_error(&error, document.scene());
                 }
             }
-            Command::Recover => {
-                if let Err(error) = document.recover() {
-                    log.scene_error(&error, document.scene());
-                }
-            }
-            Command::OpenProject => self.ask_for_project(),
             Command::Quit => ui.ctx().send_viewport_cmd(ViewportCommand::Close),
             _ => {}
         }

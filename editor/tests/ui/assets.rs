@@ -16,6 +16,7 @@ fn pedestal(window: &mut Window) -> (EntityId, DVec3) {
     let id = window.made(|window| window.choose("Create", "Create cube"));
     window.press(Modifiers::SHIFT, Key::H);
     window.press(Modifiers::NONE, Key::F);
+    window.press(Modifiers::NONE, Key::Num7);
     let top = window.entity(id).transform.translation + DVec3::Y * 0.5;
     (id, top)
 }
@@ -35,6 +36,14 @@ fn files(window: &Window) -> Vec<String> {
 
 fn panel(window: &Window) -> Pos2 {
     window.node("Search the assets").rect().center_bottom() + egui::vec2(0.0, 40.0)
+}
+
+/// By its name in the palette.
+fn command(window: &mut Window, name: &str) {
+    window.press(Modifiers::COMMAND, Key::P);
+    window.harness.event(egui::Event::Text(name.to_owned()));
+    window.settle();
+    window.press(Modifiers::NONE, Key::Enter);
 }
 
 /// Into the field that has the keyboard, over what it holds.
@@ -57,7 +66,7 @@ fn an_obj_and_a_glb_dropped_on_a_surface_stand_there() {
         window.drop_files(&[file], at);
         assert_eq!(entities(&window), before, "nobody waited for the file");
         assert!(window.harness.query_by_label("Cancel the import").is_some(), "it is told");
-        window.wait_until("the import", |window| entities(window) == before + count);
+        window.until("the import", |window| entities(window) == before + count);
         let root = window.selected()[0];
         let place = window.editor().session.document.world_from_local(root).translation;
         assert!(place.distance(top) < 0.02, "{place} for {top}");
@@ -81,7 +90,7 @@ fn a_model_dropped_beside_everything_stands_on_the_ground() {
     let at = window.seen_at(ground);
     window.drop_files(&[model], at);
     let before = entities(&window);
-    window.wait_until("the import", |window| entities(window) == before + 1);
+    window.until("the import", |window| entities(window) == before + 1);
     let place = window.entity(window.selected()[0]).transform.translation;
     assert!(place.y.abs() < 1e-6 && place.distance(ground) < 0.05, "{place} for {ground}");
 }
@@ -95,7 +104,7 @@ fn files_dropped_on_the_panel_come_into_the_project_and_not_into_the_scene() {
     picture(&image, [0, 0, 255]);
     let at = panel(&window);
     window.drop_files(&[model, image], at);
-    window.wait_until("both", |window| {
+    window.until("both", |window| {
         window.harness.query_by_label("assets/chain").is_some()
             && window.harness.query_by_label("assets/red.tga").is_some()
     });
@@ -115,7 +124,7 @@ fn broken_files_change_nothing_and_the_console_says_why() {
     }
     let at = window.scene_view().center();
     window.drop_files(&files, at);
-    window.wait_until("three errors", |window| window.errors().len() == 3);
+    window.until("three errors", |window| window.errors().len() == 3);
     for (error, (name, _)) in window.errors().iter().zip(broken) {
         assert!(error.contains(name), "{error} does not name {name}");
     }
@@ -133,7 +142,7 @@ fn cancelling_leaves_what_waits_undone() {
     window.drop_files(&files, at);
     window.node("Cancel the import").click();
     window.settle();
-    window.wait_until("rest", |window| window.harness.query_by_label("Cancel the import").is_none());
+    window.until("rest", |window| window.harness.query_by_label("Cancel the import").is_none());
     assert!(entities(&window) < before + 20);
 }
 
@@ -141,20 +150,20 @@ fn cancelling_leaves_what_waits_undone() {
 fn a_renamed_file_keeps_its_references_and_undo_brings_its_name_back() {
     let Some(mut window) = open() else { return };
     let project = window.project();
-    window.wait_until("the list", |window| window.harness.query_by_label("assets/cornell.obj").is_some());
+    window.until("the list", |window| window.harness.query_by_label("assets/cornell.obj").is_some());
     assert!(files(&window).contains(&"assets/cornell.obj".to_owned()));
     let count = files(&window).len();
     window.click("assets/cornell.obj");
-    window.choose("Assets", "Rename asset");
+    command(&mut window, "rename asset");
     enter(&mut window, "box.obj");
-    window.wait_until("the rename", |window| files(window).contains(&"assets/box.obj".to_owned()));
+    window.until("the rename", |window| files(window).contains(&"assets/box.obj".to_owned()));
     assert_eq!(files(&window).len(), count);
     assert!(project.join("assets/box.obj").is_file() && !project.join("assets/cornell.obj").exists());
     assert_eq!(window.errors(), [""; 0]);
 
     window.press(Modifiers::COMMAND, Key::Z);
     assert!(files(&window).contains(&"assets/cornell.obj".to_owned()));
-    window.wait_until("the file", |_| project.join("assets/cornell.obj").is_file());
+    window.until("the file", |_| project.join("assets/cornell.obj").is_file());
     assert!(!project.join("assets/box.obj").exists());
 }
 
@@ -164,15 +173,15 @@ fn a_missing_file_is_shown_and_relinked() {
     let project = window.project();
     std::fs::rename(project.join("assets/cornell.obj"), project.join("assets/found.obj")).unwrap();
     let is_missing = |window: &Window| window.harness.query_by_label("assets/found.obj").is_some();
-    window.wait_until("the new name", is_missing);
-    window.choose("Assets", "Relink missing files");
+    window.until("the new name", is_missing);
+    command(&mut window, "relink missing");
     window.click("Use assets/found.obj");
     assert!(!files(&window).contains(&"assets/cornell.obj".to_owned()), "{:?}", files(&window));
     assert!(window.harness.query_by_label("assets/cornell.obj").is_none());
     let document = &window.editor().session.document;
     let source = |entity: &engine::scene::Entity| entity.mesh.as_ref().map(|mesh| mesh.mesh.clone());
     let sources: Vec<MeshSource> = document.scene().entities.iter().filter_map(source).collect();
-    window.wait_until("the meshes", |window| {
+    window.until("the meshes", |window| {
         sources.iter().all(|source| window.editor().assets().meshes.contains_key(source))
     });
     window.press(Modifiers::COMMAND, Key::Z);
@@ -206,7 +215,7 @@ fn a_texture_slot_takes_a_picture_of_the_project_and_undo_takes_it_back() {
     let Some(mut window) = open() else { return };
     let material = painted(&mut window);
     picture(&window.project().join("assets/red.tga"), [0, 0, 255]);
-    window.wait_until("the list", |window| window.harness.query_by_label("assets/red.tga").is_some());
+    window.until("the list", |window| window.harness.query_by_label("assets/red.tga").is_some());
     let image = |window: &Window| {
         let material = window.editor().session.document.material(material).unwrap();
         material.albedo.texture.as_ref().map(|texture| texture.image.clone())
@@ -217,7 +226,7 @@ fn a_texture_slot_takes_a_picture_of_the_project_and_undo_takes_it_back() {
     window.click("Color picture");
     window.click("Use assets/red.tga");
     assert_eq!(image(&window), Some(red.clone()));
-    window.wait_until("the pixels", |window| window.editor().assets().images.contains_key(&red));
+    window.until("the pixels", |window| window.editor().assets().images.contains_key(&red));
     window.click("Clear color picture");
     assert_eq!(image(&window), None);
     window.press(Modifiers::COMMAND, Key::Z);
@@ -231,7 +240,7 @@ fn a_picture_is_dragged_from_the_panel_into_a_slot() {
     let Some(mut window) = open() else { return };
     let material = painted(&mut window);
     picture(&window.project().join("assets/red.tga"), [0, 0, 255]);
-    window.wait_until("the list", |window| window.harness.query_by_label("assets/red.tga").is_some());
+    window.until("the list", |window| window.harness.query_by_label("assets/red.tga").is_some());
     window.node("Normals").scroll_to_me();
     window.settle();
     let (from, to) = (window.node("assets/red.tga").rect().center(), window.node("Normals").rect().center());
@@ -240,7 +249,7 @@ fn a_picture_is_dragged_from_the_panel_into_a_slot() {
     assert_eq!(material.normal_texture.map(|texture| texture.image.file), Some("assets/red.tga".to_owned()));
     // The cube's mesh has no tangents by itself.
     let cube = MeshSource::Shape(engine::scene::shape::Shape::Cube);
-    window.wait_until("tangents", |window| {
+    window.until("tangents", |window| {
         window.editor().assets().meshes.get(&cube).is_some_and(|mesh| mesh.tangents.is_some())
     });
 }
@@ -270,12 +279,12 @@ fn a_model_is_dragged_from_the_panel_into_the_view_and_under_a_row_of_the_tree()
     let Some(mut window) = open() else { return };
     let (id, top) = pedestal(&mut window);
     glb(&window.project().join("assets/chain.glb"), &["body"]);
-    window.wait_until("the list", |window| window.harness.query_by_label("assets/chain.glb").is_some());
+    window.until("the list", |window| window.harness.query_by_label("assets/chain.glb").is_some());
     let tile = window.node("assets/chain.glb").rect().center();
     let before = entities(&window);
     let to = window.seen_at(top);
     window.drag(tile, to);
-    window.wait_until("the model", |window| entities(window) == before + 1);
+    window.until("the model", |window| entities(window) == before + 1);
     let placed = window.entity(window.selected()[0]);
     assert!(placed.transform.translation.distance(top) < 0.02, "{}", placed.transform.translation);
     assert_eq!(placed.parent, None);
@@ -286,7 +295,7 @@ fn a_model_is_dragged_from_the_panel_into_the_view_and_under_a_row_of_the_tree()
     window.settle();
     let row = window.node(&name).rect().center();
     window.drag(tile, row);
-    window.wait_until("the model", |window| entities(window) == before + 2);
+    window.until("the model", |window| entities(window) == before + 2);
     assert_eq!(window.entity(window.selected()[0]).parent, Some(id));
 }
 
@@ -294,12 +303,11 @@ fn a_model_is_dragged_from_the_panel_into_the_view_and_under_a_row_of_the_tree()
 fn thumbnails_come_by_themselves() {
     let Some(mut window) = open() else { return };
     picture(&window.project().join("assets/red.tga"), [0, 0, 255]);
-    window.wait_until("two thumbnails", |window| window.editor().thumbnails.made >= 2);
+    window.until("two thumbnails", |window| window.editor().thumbnails.made >= 2);
     window.click("Materials");
     let materials = window.editor().session.document.scene().materials.len() as u64;
-    window.wait_until("a ball for each material", |window| {
-        window.editor().thumbnails.made >= 2 + materials.min(4)
-    });
+    window
+        .until("a ball for each material", |window| window.editor().thumbnails.made >= 2 + materials.min(4));
 }
 
 #[test]
@@ -311,7 +319,7 @@ fn a_file_that_changes_is_imported_again_and_keeps_what_was_edited() {
     let before = entities(&window);
     let at = window.scene_view().center();
     window.drop_files(&[file], at);
-    window.wait_until("the import", |window| entities(window) == before + 2);
+    window.until("the import", |window| entities(window) == before + 2);
     let root = window.selected()[0];
     window.editor_mut().session.carry_out([Intent::Rename { id: root, name: "robot".to_owned() }]);
     // It is followed from the next look at the files on.
@@ -321,6 +329,6 @@ fn a_file_that_changes_is_imported_again_and_keeps_what_was_edited() {
         std::thread::sleep(std::time::Duration::from_millis(10));
     }
     glb(&own, &["body", "hand", "finger"]);
-    window.wait_until("the change", |window| entities(window) == before + 3);
+    window.until("the change", |window| entities(window) == before + 3);
     assert_eq!(window.entity(root).name, "robot");
 }

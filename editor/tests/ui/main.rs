@@ -1,9 +1,16 @@
 //! The editor as a person uses it, in a window that nobody sees: mouse, keyboard, and what screen readers are told.
 
+mod access;
 mod assets;
+mod components;
+mod files;
 mod inspector;
+mod keyboard;
+mod main_path;
 #[path = "../models/mod.rs"]
 mod models;
 mod objects;
 mod panels;
+mod preferences;
+mod recovery;
 mod window;

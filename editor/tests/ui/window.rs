@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use editor::app::{Editor, wgpu_setup};
 use editor::gizmo::Stand;
@@ -11,17 +11,20 @@ use editor::log::Level;
 use editor::opened::Opened;
 use editor::theme;
 use eframe::egui_wgpu::{RenderState, RendererOptions, WgpuConfiguration, WgpuSetupCreateNew};
+use egui::accesskit::Role;
 use egui::{Key, Modifiers, Pos2, Rect, Vec2};
 use egui_kittest::kittest::Queryable;
 use egui_kittest::wgpu::WgpuTestRenderer;
 use egui_kittest::{Harness, Node};
 use engine::render::Eye;
+use engine::scene::file::text_of_scene;
 use engine::scene::{Entity, EntityId};
 use glam::{DQuat, DVec3};
 
 pub struct Window {
     pub harness: Harness<'static, Editor>,
-    folder: tempfile::TempDir,
+    /// Where its project lies, unless that is another's.
+    folder: Option<tempfile::TempDir>,
 }
 
 /// The Cornell box, not baked. `None`, with a line, where there is no GPU.
@@ -32,15 +35,25 @@ pub fn open() -> Option<Window> {
 pub fn open_sized(size: Vec2) -> Option<Window> {
     let folder = tempfile::tempdir().unwrap();
     let project = cornell(folder.path());
+    let mut window = open_project(&project, None, size)?;
+    window.folder = Some(folder);
+    Some(window)
+}
+
+/// `home`: where preferences are kept; `None`: nowhere.
+pub fn open_project(project: &Path, home: Option<&Path>, size: Vec2) -> Option<Window> {
     let state = gpu()?;
-    let opened = Opened::load(&project, None).unwrap();
-    let editor = Editor::new(&egui::Context::default(), &state, opened, None).unwrap();
+    let opened = Opened::load(project, None).unwrap();
+    let home = home.map(Path::to_owned);
+    let editor = Editor::new(&egui::Context::default(), &state, opened, home).unwrap();
     let harness = Harness::builder()
         .with_size(size)
+        // Half as fine: software draws these pictures, too.
+        .with_pixels_per_point(0.5)
         .with_context_setup(theme::install)
         .renderer(WgpuTestRenderer::from_render_state(state))
         .build_ui_state(|ui, editor: &mut Editor| editor.ui(ui), editor);
-    let mut window = Window { harness, folder };
+    let mut window = Window { harness, folder: None };
     window.settle();
     Some(window)
 }
@@ -57,7 +70,7 @@ fn gpu() -> Option<RenderState> {
     state
 }
 
-fn cornell(folder: &Path) -> PathBuf {
+pub fn cornell(folder: &Path) -> PathBuf {
     let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("../projects/cornell");
     let project = folder.join("cornell");
     for file in ["project.ron", "scenes/cornell.ron", "assets/cornell.obj", "assets/cornell.mtl"] {
@@ -72,6 +85,58 @@ impl Window {
     /// A few pictures go by: what was asked for is done and seen.
     pub fn settle(&mut self) {
         self.harness.run_steps(4);
+    }
+
+    /// Pictures go by until it is so: a thread beside has work to do.
+    pub fn until(&mut self, what: &str, is_so: impl Fn(&Self) -> bool) {
+        let since = Instant::now();
+        while !is_so(self) {
+            assert!(since.elapsed() < Duration::from_secs(120), "never came about: {what}");
+            self.settle();
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    pub fn is_shown(&self, name: &str) -> bool {
+        self.harness.query_all_by_label(name).next().is_some()
+    }
+
+    pub fn type_text(&mut self, text: &str) {
+        self.harness.event(egui::Event::Text(text.to_owned()));
+        self.settle();
+    }
+
+    /// As its file would be.
+    pub fn scene_text(&self) -> String {
+        text_of_scene(Path::new("scene"), self.editor().session.document.scene()).unwrap()
+    }
+
+    /// The row of the tree.
+    pub fn row(&self, name: &str) -> Rect {
+        self.harness.get_by_role_and_label(Role::TreeItem, name).rect()
+    }
+
+    pub fn click_at(&mut self, at: Pos2, modifiers: Modifiers) {
+        self.harness.hover_at(at);
+        self.harness.step();
+        for pressed in [true, false] {
+            let button = egui::PointerButton::Primary;
+            let event = egui::Event::PointerButton { pos: at, button, pressed, modifiers };
+            self.harness.event_modifiers(event, modifiers);
+            self.harness.step();
+        }
+        self.settle();
+    }
+
+    /// Into a number field, as a person does: click, type, Enter.
+    pub fn enter(&mut self, field: &str, text: &str) {
+        self.harness.get_by_role_and_label(Role::SpinButton, field).scroll_to_me();
+        self.settle();
+        self.harness.get_by_role_and_label(Role::SpinButton, field).click();
+        self.settle();
+        self.press(Modifiers::COMMAND, Key::A);
+        self.harness.event(egui::Event::Text(text.to_owned()));
+        self.press(Modifiers::NONE, Key::Enter);
     }
 
     pub fn editor(&self) -> &Editor {
@@ -157,23 +222,11 @@ impl Window {
 
     /// For files that lie outside the project.
     pub fn folder(&self) -> &Path {
-        self.folder.path()
+        self.folder.as_ref().unwrap().path()
     }
 
     pub fn project(&self) -> PathBuf {
         self.editor().session.document.project().to_owned()
-    }
-
-    /// Picture after picture until it is so.
-    pub fn wait_until(&mut self, what: &str, is_so: impl Fn(&Self) -> bool) {
-        for _ in 0..6000 {
-            if is_so(self) {
-                return self.settle();
-            }
-            self.harness.step();
-            std::thread::sleep(Duration::from_millis(10));
-        }
-        panic!("{what} never came about: {}", self.told());
     }
 
     /// All that the console says.
