@@ -47,7 +47,7 @@ pub struct Editor {
     pub(crate) assets: Arc<Assets>,
     pub(crate) baking: Baking,
     baked: AsBaked,
-    placed: Placed,
+    pub(crate) placed: Placed,
     pub(crate) play: Option<Play>,
     state: RenderState,
     stage: Stage,
@@ -163,7 +163,8 @@ impl Editor {
         }
     }
 
-    pub(crate) fn scenery(&self) -> Scenery<'_> {
+    /// As it is shown now.
+    pub fn scenery(&self) -> Scenery<'_> {
         Scenery::of(&self.session.document, &self.assets, &self.placed, self.play.as_ref())
     }
 
@@ -175,7 +176,8 @@ impl Editor {
             play.advance(&self.assets);
             ui.ctx().request_repaint();
         }
-        if self.leaving.is_none() && !self.open.is_open() && self.session.document.recovery().is_none() {
+        let asked_first = self.leaving.is_some() || self.session.document.recovery().is_some();
+        if !asked_first && !self.open.is_open() && !self.scene.is_pulling() {
             keys::pressed(ui, &self.bindings).into_iter().for_each(|command| self.asks.push(command));
         }
         self.bars(ui);
@@ -214,7 +216,7 @@ impl Editor {
         match pane {
             Pane::Scene => {
                 let Session { document, selection, .. } = &self.session;
-                let seen = Seen { document, scenery, selection };
+                let seen = Seen { document, assets: &self.assets, scenery, selection };
                 return self.scene.show(ui, &mut self.stage, &seen, &mut self.asks);
             }
             Pane::Game => return self.game.show(ui, &mut self.stage, &scenery),
@@ -299,6 +301,11 @@ impl Editor {
             ui.ctx().send_viewport_cmd(ViewportCommand::Title(title.clone()));
             self.title = title;
         }
+    }
+
+    /// The engine as it draws here.
+    pub fn stage(&self) -> &Stage {
+        &self.stage
     }
 
     /// As the window's title says it.

@@ -2,40 +2,35 @@
 
 use eframe::egui;
 use egui::{Ui, ViewportCommand};
-use engine::render::View;
+use engine::render::{Eye, View};
 use engine::scene::{Entity, EntityId};
 use glam::DVec3;
 
 use crate::app::Editor;
+use crate::camera::ViewCamera;
 use crate::command::{Command, State};
 use crate::gizmo::Tool;
 use crate::intents::{Intent, Session};
 use crate::layout::{self, Pane};
+use crate::panels::scene::probing;
 use crate::primitives::Primitive;
 use crate::recent::Theme;
+use crate::scenery::Scenery;
 use crate::tools;
 
 /// Commands of the table that this editor has no part for yet: no menu shows them, no key gives them.
-const NOT_YET: [Command; 20] = [
+const NOT_YET: [Command; 12] = [
     Command::NewProject,
     Command::NewScene,
     Command::OpenScene,
     Command::SaveAs,
     Command::Recover,
     Command::Preferences,
-    Command::ToggleVertexSnapping,
-    Command::ViewCamera,
-    Command::ToggleGizmos,
-    Command::ToggleWireframe,
     Command::Import,
     Command::Reimport,
     Command::RenameAsset,
     Command::RelinkMissing,
     Command::SearchAssets,
-    Command::DensityBrush,
-    Command::EditLightProbes,
-    Command::ShowTetrahedra,
-    Command::ShowProbeSlice,
     Command::Shortcuts,
 ];
 
@@ -109,7 +104,8 @@ impl Editor {
         if !is_known(command) || !command.is_enabled(&self.state()) {
             return;
         }
-        if let Some(intent) = self.intent(command) {
+        let of_tool = self.scene.intent(command, &self.session.document);
+        if let Some(intent) = of_tool.or_else(|| self.intent(command)) {
             return self.carry_out(intent, ui);
         }
         if let Some(view) = view(command) {
@@ -138,7 +134,35 @@ impl Editor {
                 layout::reveal(&mut self.layout, Pane::Hierarchy);
                 self.hierarchy.search(ui);
             }
+            Command::DensityBrush
+            | Command::EditLightProbes
+            | Command::ShowTetrahedra
+            | Command::ShowProbeSlice => {
+                layout::reveal(&mut self.layout, Pane::Scene);
+                self.light_tool(command);
+            }
             _ => self.look(command),
+        }
+    }
+
+    /// What shows and shapes the light's parts. A tool that is in the hand already is laid down.
+    fn light_tool(&mut self, command: Command) {
+        let scenery = Scenery::of(&self.session.document, &self.assets, &self.placed, self.play.as_ref());
+        let tool = &mut self.scene.handling.tool;
+        let toggled = |now: Tool, wanted: Tool| if now == wanted { Tool::Move } else { wanted };
+        match command {
+            Command::DensityBrush => *tool = toggled(*tool, Tool::Density),
+            Command::EditLightProbes => {
+                *tool = toggled(*tool, Tool::Probes);
+                let Session { document, selection, .. } = &mut self.session;
+                let group = probing::group_of(document, selection.active(), None);
+                if let Some(group) = group.filter(|_| *tool == Tool::Probes) {
+                    selection.set([group]);
+                }
+            }
+            Command::ShowTetrahedra => self.scene.net.tetrahedra ^= true,
+            Command::ShowProbeSlice => self.scene.net.toggle_slice(&scenery),
+            _ => {}
         }
     }
 
@@ -233,10 +257,29 @@ impl Editor {
             Command::ViewTop => camera.look_along(DVec3::NEG_Y),
             Command::ToggleOrthographic => camera.orthographic ^= true,
             Command::ToggleGrid => self.scene.hide_grid ^= true,
+            Command::ToggleVertexSnapping => handling.vertex ^= true,
+            Command::ToggleWireframe => self.scene.wireframe ^= true,
+            Command::ToggleGizmos => self.scene.hide_gizmos ^= true,
+            Command::ViewCamera => self.look_through_camera(),
             Command::Frame if self.session.selection.is_empty() => self.frame_all(),
             Command::Frame => self.frame_selected(),
             Command::FrameAll => self.frame_all(),
             _ => {}
+        }
+    }
+
+    /// From where the selected camera is, else the scene's.
+    fn look_through_camera(&mut self) {
+        let active = self.session.selection.active();
+        let scenery = self.scenery();
+        let selected = scenery.placed().find(|(entity, _)| Some(entity.id) == active);
+        let own = selected.and_then(|(entity, world)| Some(Eye::of_camera(entity.camera.as_ref()?, world)));
+        if let Some(eye) = own.or(scenery.camera()) {
+            let camera = &mut self.scene.camera;
+            let about = eye.position + eye.rotation * DVec3::NEG_Z * camera.distance;
+            let speed = camera.speed;
+            *camera = ViewCamera::as_eye(&eye, about);
+            camera.speed = speed;
         }
     }
 

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use editor::app::{Editor, wgpu_setup};
 use editor::gizmo::Stand;
+use editor::intents::Intent;
 use editor::lens::Lens;
 use editor::opened::Opened;
 use editor::theme;
@@ -136,6 +137,61 @@ impl Window {
         let active = self.editor().session.selection.active().unwrap();
         let origin = self.editor().session.document.world_from_local(active).translation;
         Stand { origin, axes: DQuat::IDENTITY }
+    }
+
+    /// Pictures go by until something is so, as long as somebody would wait for it.
+    pub fn wait_until(&mut self, what: &str, is_so: impl Fn(&Self) -> bool) {
+        for _ in 0..6000 {
+            if is_so(self) {
+                return;
+            }
+            self.harness.step();
+            std::thread::sleep(std::time::Duration::from_millis(10));
+        }
+        panic!("never: {what}");
+    }
+
+    /// How many steps undo knows.
+    pub fn steps(&self) -> usize {
+        self.editor().session.document.history().undo_names().count()
+    }
+
+    /// The mouse goes there with the left button, held keys and all, and stays down.
+    pub fn hold(&mut self, from: Pos2, through: &[Pos2]) {
+        self.harness.hover_at(from);
+        self.harness.step();
+        self.harness.drag_at(from);
+        self.harness.step();
+        for to in through {
+            self.harness.hover_at(*to);
+            self.harness.step();
+        }
+    }
+
+    pub fn release(&mut self, at: Pos2) {
+        self.harness.drop_at(at);
+        self.settle();
+    }
+
+    pub fn click_at(&mut self, at: Pos2) {
+        self.hold(at, &[]);
+        self.release(at);
+    }
+
+    pub fn type_text(&mut self, text: &str) {
+        self.harness.event(egui::Event::Text(text.to_owned()));
+        self.settle();
+    }
+
+    /// The first entity of that name.
+    pub fn named(&self, name: &str) -> EntityId {
+        let mut entities = self.editor().session.document.scene().entities.iter();
+        entities.find(|entity| entity.name == name).unwrap().id
+    }
+
+    pub fn select(&mut self, ids: &[EntityId]) {
+        self.editor_mut().session.carry_out([Intent::Select(ids.to_vec())]);
+        self.settle();
     }
 
     /// With the left button, in a few steps.

@@ -42,8 +42,10 @@ use super::steering::Steering;
 use super::surface::Surfaces;
 use super::targets::{self, Targets};
 use super::tonemap::{self, Tonemap};
+use super::turns::Turns;
 use super::unit::Rescale;
 use super::view::{Eye, View};
+use super::wireframe::Wireframe;
 use super::{RenderError, lights, shaders};
 use crate::gpu::pass::{self, Binding};
 use crate::gpu::timing::{Passes, Timer};
@@ -157,6 +159,7 @@ pub struct Renderer {
     pub(super) tetrahedra: Lines,
     /// Over the scene, for who edits it.
     pub(super) guides: Lines,
+    pub(super) wireframe: Wireframe,
     pub(super) picking: Picking,
     pub(super) outline: Outline,
     pub(super) sky: SkyPass,
@@ -176,6 +179,7 @@ pub struct Renderer {
     pub(super) moved: u64,
     pub(super) asked: Asked,
     pub(super) responses: Responses,
+    pub(super) turns: Turns,
 }
 
 impl Renderer {
@@ -256,6 +260,7 @@ impl Renderer {
             probes: Probes::new(gpu_ref, compiler, frame_layout),
             tetrahedra: Lines::new(gpu_ref, compiler, frame_layout),
             guides: Lines::new(gpu_ref, compiler, frame_layout),
+            wireframe: Wireframe::new(gpu_ref, compiler, frame_layout),
             picking: Picking::new(gpu_ref, compiler, frame_layout),
             outline: Outline::new(gpu_ref, compiler, frame_layout),
             sky: SkyPass::new(gpu_ref, compiler, frame_layout, &pictures, asked.has(Feature::Sky, false)),
@@ -276,6 +281,7 @@ impl Renderer {
             moved: 0,
             asked,
             responses: Responses::default(),
+            turns: Turns::default(),
             transport,
             settings,
             gpu,

@@ -47,8 +47,10 @@ pub mod spaces;
 pub mod surface;
 pub mod targets;
 pub mod tonemap;
+mod turns;
 pub mod unit;
 pub mod view;
+pub mod wireframe;
 
 use crate::gpu::GpuError;
 pub use crate::transport::steering;
