@@ -104,7 +104,7 @@ impl Editor {
         if !is_known(command) || !command.is_enabled(&self.state()) {
             return;
         }
-        let of_tool = self.scene.intent(command, &self.session.document);
+        let of_tool = self.scene.intent(command, &self.session.document, self.session.selection.active());
         if let Some(intent) = of_tool.or_else(|| self.intent(command)) {
             return self.carry_out(intent, ui);
         }

@@ -18,6 +18,7 @@ use eframe::egui;
 use egui::{Align2, Color32, FontId, Pos2, Rect, Role, Sense, Ui, WidgetInfo, pos2};
 use engine::render::outline::Marks;
 use engine::render::{Eye, View};
+use engine::scene::EntityId;
 use engine::scene::assets::Assets;
 
 use crate::ask::Asks;
@@ -115,8 +116,13 @@ impl SceneView {
     }
 
     /// What a command means to the tool at hand; `None`: what it always means.
-    pub fn intent(&mut self, command: Command, document: &Document) -> Option<Intent> {
-        (self.handling.tool == Tool::Probes).then(|| self.probing.intent(command, document))?
+    pub fn intent(
+        &mut self,
+        command: Command,
+        document: &Document,
+        active: Option<EntityId>,
+    ) -> Option<Intent> {
+        (self.handling.tool == Tool::Probes).then(|| self.probing.intent(command, document, active))?
     }
 
     /// Pictures are drawn anew: the light is another.
@@ -225,7 +231,8 @@ impl SceneView {
     /// Bars of the tool at hand, one under the other.
     fn tool_bars(&mut self, ui: &mut Ui, rect: Rect, seen: &Seen<'_>, asks: &mut Asks) {
         let left = rect.left() + 8.0;
-        let mut top = self.covered.last().map_or(rect.top(), |_| rect.top() + 44.0);
+        // Under the bar of what is shown.
+        let mut top = rect.top() + 42.0;
         // Beside the view cube.
         let width = (rect.width() - 120.0).max(200.0);
         let tool = self.handling.tool;

@@ -2,6 +2,7 @@
 //! place. Boxes about meshes are kept, so that most meshes are passed over.
 
 use std::collections::HashMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 use eframe::egui::Pos2;
@@ -47,11 +48,16 @@ impl Caster {
             if !meets_box(&local, reach, farthest) || scenery.scene.is_hidden(entity) {
                 continue;
             }
-            for corners in mesh.triangles() {
+            let sides = sides(scenery, entity, &mesh);
+            for (index, corners) in mesh.triangles().enumerate() {
                 let places = corners.map(|corner| mesh.positions[corner as usize].as_dvec3());
                 let met = meets_triangle(&local, places);
                 let farthest = first.map_or(f64::INFINITY, |hit| hit.distance);
-                if let Some((distance, shares)) = met.filter(|(distance, _)| *distance < farthest) {
+                // A back that is not drawn is not in the way.
+                let is_seen = |(distance, _, front): &(f64, [f64; 3], bool)| {
+                    *distance < farthest && (*front || sides.iter().any(|side| side.contains(&index)))
+                };
+                if let Some((distance, shares, _)) = met.filter(is_seen) {
                     let [a, b, c] = places.map(|place| world.transform_point3(place));
                     let normal = (b - a).cross(c - a).normalize_or(DVec3::Y);
                     let normal = if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
@@ -130,8 +136,20 @@ fn meets_box(ray: &Ray, [low, high]: [Vec3; 2], farthest: f64) -> bool {
     from <= to
 }
 
-/// How far along the ray, and the shares of the corners (Möller and Trumbore 1997). Both sides are met.
-fn meets_triangle(ray: &Ray, [a, b, c]: [DVec3; 3]) -> Option<(f64, [f64; 3])> {
+/// Triangles that are seen from behind, too.
+fn sides(scenery: &Scenery<'_>, entity: &Entity, mesh: &Mesh) -> Vec<Range<usize>> {
+    let Some(renderer) = &entity.mesh else { return Vec::new() };
+    let is_double = |slot: usize| {
+        let id = renderer.materials.get(slot).or(renderer.materials.last());
+        let material = scenery.scene.materials.iter().find(|material| Some(&material.id) == id);
+        material.is_some_and(|material| material.double_sided)
+    };
+    let double = mesh.primitives.iter().enumerate().filter(|(slot, _)| is_double(*slot));
+    double.map(|(_, part)| part.first as usize / 3..(part.first + part.count) as usize / 3).collect()
+}
+
+/// How far along the ray, the shares of the corners (Möller and Trumbore 1997), and whether it meets the front.
+fn meets_triangle(ray: &Ray, [a, b, c]: [DVec3; 3]) -> Option<(f64, [f64; 3], bool)> {
     let (u_side, v_side) = (b - a, c - a);
     let p = ray.direction.cross(v_side);
     let volume = u_side.dot(p);
@@ -140,7 +158,7 @@ fn meets_triangle(ray: &Ray, [a, b, c]: [DVec3; 3]) -> Option<(f64, [f64; 3])> {
     let (u, v) = (off.dot(p) / volume, ray.direction.dot(q) / volume);
     let distance = v_side.dot(q) / volume;
     let is_met = volume != 0.0 && u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0;
-    is_met.then_some((distance, [1.0 - u - v, u, v]))
+    is_met.then_some((distance, [1.0 - u - v, u, v], volume > 0.0))
 }
 
 /// Does the ray come as near to the sphere about a box as the mouse reaches?
@@ -164,8 +182,8 @@ mod tests {
     fn a_ray_meets_a_triangle_from_both_sides_and_knows_its_shares() {
         for way in [1.0, -1.0] {
             let ray = Ray { origin: DVec3::new(0.25, 0.5, -2.0 * way), direction: DVec3::Z * way };
-            let (distance, shares) = meets_triangle(&ray, TRIANGLE).unwrap();
-            assert!((distance - 2.0).abs() < 1e-12);
+            let (distance, shares, front) = meets_triangle(&ray, TRIANGLE).unwrap();
+            assert!((distance - 2.0).abs() < 1e-12 && front == (way < 0.0));
             assert!(DVec3::from(shares).abs_diff_eq(DVec3::new(0.25, 0.25, 0.5), 1e-12), "{shares:?}");
         }
         let beside = Ray { origin: DVec3::new(0.8, 0.8, 1.0), direction: DVec3::NEG_Z };

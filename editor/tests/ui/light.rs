@@ -28,6 +28,7 @@ fn brush() -> Option<(Window, EntityId, Pos2)> {
     let at = window.editor().session.document.world_from_local(floor).translation;
     window.select(&[floor]);
     window.press(Modifiers::NONE, Key::F);
+    window.press(Modifiers::NONE, Key::Num7);
     let scenery = window.editor().scenery();
     let (low, high) = scenery.extent(|entity| entity.id == floor).unwrap();
     let corner = low.lerp(high, 0.12).with_y(at.y.max(high.y));
@@ -108,9 +109,7 @@ fn brackets_change_the_size_of_the_brush_and_escape_gives_a_stroke_up() {
 fn coarse(window: &Window) {
     let project = window.editor().session.document.project().join("project.ron");
     let text = std::fs::read_to_string(&project).unwrap();
-    let text =
-        text.replace("quality: standard,", "quality: draft,\n        rays: 64,\n        patch_length: 0.15,");
-    std::fs::write(project, text).unwrap();
+    std::fs::write(project, text.replace("quality: standard,", "quality: draft,")).unwrap();
 }
 
 fn is_relit(window: &Window) -> bool {
@@ -128,7 +127,9 @@ fn a_bake_goes_on_beside_the_editing_and_its_light_is_swapped_in_when_it_is_read
     window.settle();
     assert!(window.harness.query_by_label("Not baked").is_some());
     let before = window.editor().stage().transport().patches.len();
-    window.click("Bake");
+    window.node("Bake").click();
+    window.harness.step();
+    window.harness.step();
     assert!(window.harness.query_by_label("Cancel").is_some(), "it is told how far it is");
 
     // Meanwhile the cube is moved, and pictures are drawn.

@@ -6,6 +6,7 @@ use engine::render::View;
 
 use super::SceneView;
 use crate::icons::{self, Icon};
+use crate::theme;
 use crate::viewport::cube;
 
 /// A bar with its upper left corner there. Returns where it is.
@@ -24,6 +25,12 @@ pub(super) fn bar(ui: &mut Ui, corner: Pos2, width: f32, content: impl FnOnce(&m
         place = inner.response.rect;
     });
     place
+}
+
+/// What a bar says, never broken in two.
+pub(super) fn told(ui: &mut Ui, words: &str) -> Response {
+    let color = theme::weak(ui.visuals());
+    ui.add(egui::Label::new(egui::RichText::new(words).color(color)).extend())
 }
 
 /// A number in a bar, with its name before it.

@@ -10,7 +10,7 @@ use engine::scene::{Density, Entity, EntityId};
 use glam::{DVec3, Vec4};
 
 use super::SceneView;
-use super::bars::{bar, number};
+use super::bars::{bar, number, told};
 use super::hand::Hand;
 use crate::ask::Asks;
 use crate::baking::density::Brush;
@@ -51,6 +51,8 @@ pub struct Painting {
     /// What the brush was on last: its patches are shown.
     on: Option<EntityId>,
     hit: Option<Hit>,
+    /// Its radius fits the scene, or somebody's wish.
+    is_sized: bool,
 }
 
 /// What a stroke has painted so far.
@@ -69,6 +71,7 @@ impl Default for Painting {
             patching: Patching::default(),
             on: None,
             hit: None,
+            is_sized: false,
         }
     }
 }
@@ -90,6 +93,7 @@ impl Painting {
         let open = |entity: &Entity| entity.mesh.is_some() && !document.is_locked(entity.id);
         let at = hand.at.filter(|_| hand.over || self.stroke.is_some());
         self.hit = at.and_then(|at| caster.cast(&hand.seen.scenery, &hand.lens.ray(at), open));
+        self.fit(hand);
         if let Some(hit) = self.hit.filter(|hit| document.entity(hit.entity).is_some_and(is_painted)) {
             self.on = Some(hit.entity);
         }
@@ -111,6 +115,16 @@ impl Painting {
         }
     }
 
+    /// Taken up for the first time it is as wide as a thumb on the screen.
+    fn fit(&mut self, hand: &Hand<'_>) {
+        const POINTS: f64 = 48.0;
+        let Some(hit) = self.hit.filter(|_| !self.is_sized) else { return };
+        let radius = hand.lens.metres_per_point(hit.at) * POINTS;
+        let step = 10f64.powf(radius.log10().floor() - 1.0);
+        self.brush.radius = ((radius / step).round() * step).clamp(*RADII.start(), *RADII.end());
+        self.is_sized = true;
+    }
+
     /// It is laid down.
     pub(super) fn put_down(&mut self) {
         (self.hit, self.on) = (None, None);
@@ -127,6 +141,7 @@ impl Painting {
             self.brush.strength = (self.brush.strength * factor).clamp(0.01, 1.0);
         } else if !hand.modifiers.any() {
             self.brush.radius = (self.brush.radius * factor).clamp(*RADII.start(), *RADII.end());
+            self.is_sized = true;
         }
     }
 
@@ -274,8 +289,7 @@ impl Painting {
             let tooltip = "Of one dab at the middle: 1 goes all the way (Shift and [ or ])";
             number(ui, ("Brush strength", "Strength", tooltip), &mut brush.strength, 0.01..=1.0, "");
             ui.separator();
-            let told = ui.weak(self.told());
-            told.on_hover_text("What a bake of the scene as it is now would make");
+            told(ui, &self.told()).on_hover_text("What a bake of the scene as it is now would make");
         })
     }
 

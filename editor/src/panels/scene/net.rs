@@ -8,7 +8,7 @@ use egui::{Color32, Pos2, Rect, Shape, Stroke, Ui};
 use engine::render::lines::Line;
 use glam::{DQuat, DVec3, Vec4};
 
-use super::bars::bar;
+use super::bars::{bar, told};
 use super::hand::Hand;
 use super::handles::tell_beside_mouse;
 use crate::gizmo::{Change, Grasp, Handle, Stand};
@@ -160,7 +160,7 @@ impl Net {
     /// Where the plane lies, and what it cuts.
     pub(super) fn bar(&mut self, ui: &mut Ui, corner: Pos2, width: f32) -> Option<Rect> {
         let reach = extent(self.web());
-        let told = match self.slice() {
+        let words = match self.slice() {
             _ if self.web().cells.is_empty() => {
                 "No tetrahedra: four probes that span space make one".to_owned()
             }
@@ -186,7 +186,7 @@ impl Net {
             let slider = slider.suffix(" m").max_decimals(3).clamping(egui::SliderClamping::Never);
             let response = ui.add(slider);
             response.ctx.accesskit_node_builder(response.id, |node| node.set_label("Place of the slice"));
-            ui.weak(told);
+            told(ui, &words);
         }))
     }
 }

@@ -6,7 +6,7 @@ use egui::{Color32, Key, Pos2, Rect, Stroke, Ui, vec2};
 use engine::scene::{EntityId, LightProbeGroup};
 use glam::{DAffine3, DQuat, DVec3};
 
-use super::bars::{bar, number};
+use super::bars::{bar, number, told};
 use super::choose::paint_box;
 use super::hand::Hand;
 use super::handles::tell_beside_mouse;
@@ -36,6 +36,8 @@ pub struct Probing {
     pub offset: f64,
     /// Of a grid that fills a box, metres.
     pub spacing: f64,
+    /// They are somebody's choice.
+    is_fitted: bool,
     pull: Option<Pull>,
     boxed: Option<Pos2>,
 }
@@ -59,8 +61,16 @@ struct Group<'a> {
 
 impl Default for Probing {
     fn default() -> Self {
-        let (of, pull, boxed) = (None, None, None);
-        Self { of, chosen: Chosen::new(), sets: false, offset: 0.5, spacing: 1.0, pull, boxed }
+        Self {
+            of: None,
+            chosen: Chosen::new(),
+            sets: false,
+            offset: 0.5,
+            spacing: 1.0,
+            is_fitted: false,
+            pull: None,
+            boxed: None,
+        }
     }
 }
 
@@ -109,9 +119,25 @@ impl Probing {
         if of != self.of {
             self.of = of;
             self.chosen.clear();
+            self.fit(seen);
         }
         let count = group(seen.document, of).map_or(0, |group| group.group.positions.len());
         self.chosen.retain(|probe| *probe < count);
+    }
+
+    /// Distances that make sense among the probes that there are, unless somebody has chosen others.
+    fn fit(&mut self, seen: &Seen<'_>) {
+        let reach = group(seen.document, self.of)
+            .filter(|_| !self.is_fitted)
+            .and_then(|group| Some((probes::extent(group.group, &Chosen::new())?, group.world)));
+        let Some(([low, high], world)) = reach else { return };
+        let side = |axis: usize| f64::from(high[axis] - low[axis]) * world.matrix3.col(axis).length();
+        let longest = side(0).max(side(1)).max(side(2));
+        if longest > 0.0 {
+            let step = 10f64.powf((longest / 4.0).log10().floor() - 1.0);
+            self.spacing = (longest / 4.0 / step).round() * step;
+            self.offset = self.spacing * 0.5;
+        }
     }
 
     pub(super) fn handle(
@@ -247,17 +273,24 @@ impl Probing {
     }
 
     /// What a command means while probes are edited; `None`: what it always means.
-    pub fn intent(&mut self, command: Command, document: &Document) -> Option<Intent> {
-        let Group { id, group, .. } = group(document, self.of)?;
+    pub fn intent(
+        &mut self,
+        command: Command,
+        document: &Document,
+        active: Option<EntityId>,
+    ) -> Option<Intent> {
+        let Group { id, group, .. } = group(document, self.of.filter(|of| active == Some(*of)))?;
         let some = !self.chosen.is_empty();
         match command {
-            Command::Delete if some => {
+            // Not the whole group.
+            Command::Delete | Command::Duplicate if !some => Some(Intent::Select(vec![id])),
+            Command::Delete => {
                 let left = probes::removed(group, &self.chosen);
                 let name = format!("Delete {} light probes", self.chosen.len());
                 self.chosen.clear();
                 Some(Intent::Commit(probes::edit(id, &name, left)))
             }
-            Command::Duplicate if some => {
+            Command::Duplicate => {
                 let name = format!("Duplicate {} light probes", self.chosen.len());
                 let (new, chosen) = probes::duplicated(group, &self.chosen);
                 self.chosen = chosen;
@@ -337,14 +370,16 @@ impl Probing {
             self.sets ^= true;
         }
         let tooltip = "How far before the surface, metres";
-        number(ui, ("Offset from the surface", "Offset", tooltip), &mut self.offset, 0.0..=100.0, " m");
+        let offset = ("Offset from the surface", "Offset", tooltip);
+        self.is_fitted |= number(ui, offset, &mut self.offset, 0.0..=100.0, " m").changed();
         ui.separator();
         let tooltip = "Between probes of a grid, at most; metres";
-        number(ui, ("Spacing of the grid", "Spacing", tooltip), &mut self.spacing, 0.01..=1000.0, " m");
+        let spacing = ("Spacing of the grid", "Spacing", tooltip);
+        self.is_fitted |= number(ui, spacing, &mut self.spacing, 0.01..=1000.0, " m").changed();
         self.offer_filling(ui, group, asks);
         ui.separator();
         let all = group.group.positions.len();
-        ui.weak(format!("{} of {all} probes chosen", self.chosen.len()));
+        told(ui, &format!("{} of {all} probes chosen", self.chosen.len()));
     }
 
     fn offer_filling(&mut self, ui: &mut Ui, group: &Group<'_>, asks: &mut Asks) {
