@@ -27,10 +27,11 @@ use crate::log::{Log, Source};
 use crate::opened::Opened;
 use crate::panels::assets::AssetList;
 use crate::panels::console::Console;
+use crate::panels::files::FileDialog;
 use crate::panels::game::GameView;
 use crate::panels::hierarchy::{Hierarchy, Tree};
-use crate::panels::open::OpenDialog;
 use crate::panels::palette::Palette;
+use crate::panels::preferences::Settings;
 use crate::panels::scene::{SceneView, Seen};
 use crate::panels::status::Status;
 use crate::panels::toolbar::{self, Light, Playing};
@@ -60,7 +61,8 @@ pub struct Editor {
     pub(crate) console: Console,
     pub(crate) palette: Palette,
     status: Status,
-    open: OpenDialog,
+    asking: FileDialog,
+    pub(crate) settings: Settings,
     bindings: Bindings,
     pub(crate) preferences: Preferences,
     /// Where preferences are kept; `None`: nowhere.
@@ -69,7 +71,7 @@ pub struct Editor {
     pub(crate) copied: Option<String>,
     asks: Asks,
     /// Asked before the document is left: what comes then.
-    leaving: Option<leave::Then>,
+    leaving: Option<leave::Leaving>,
     loading: Option<Receiver<Result<Opened, String>>>,
     title: String,
 }
@@ -83,6 +85,8 @@ impl Editor {
         home: Option<PathBuf>,
     ) -> Result<Self, RenderError> {
         theme::install(ctx);
+        // A size of its own, which preferences keep.
+        ctx.options_mut(|options| options.zoom_with_keyboard = false);
         let log = Log::default();
         let (preferences, broken) = home.as_deref().map_or_else(Default::default, Preferences::load);
         log.warnings(broken.as_slice(), opened.document.scene());
@@ -114,7 +118,8 @@ impl Editor {
             console: Console::default(),
             palette: Palette::default(),
             status: Status::default(),
-            open: OpenDialog::default(),
+            asking: FileDialog::default(),
+            settings: Settings::default(),
             bindings,
             preferences,
             home,
@@ -176,8 +181,7 @@ impl Editor {
             play.advance(&self.assets);
             ui.ctx().request_repaint();
         }
-        let asked_first = self.leaving.is_some() || self.session.document.recovery().is_some();
-        if !asked_first && !self.open.is_open() && !self.scene.is_pulling() {
+        if !self.is_asking() && !self.scene.is_pulling() {
             keys::pressed(ui, &self.bindings).into_iter().for_each(|command| self.asks.push(command));
         }
         self.bars(ui);
@@ -207,7 +211,11 @@ impl Editor {
 
     fn docks(&mut self, ui: &mut Ui) {
         let mut layout = std::mem::replace(&mut self.layout, Layout::empty(egui::Id::unique("none")));
-        layout.ui(&mut Docks { show: &mut |ui, pane| self.pane(ui, pane) }, ui);
+        let mut docks = Docks { show: &mut |ui, pane| self.pane(ui, pane), closed: None };
+        layout.ui(&mut docks, ui);
+        if let Some(closed) = docks.closed {
+            layout::close(&mut layout, closed);
+        }
         self.layout = layout;
     }
 
@@ -306,6 +314,10 @@ impl Editor {
     /// The engine as it draws here.
     pub fn stage(&self) -> &Stage {
         &self.stage
+    }
+
+    pub fn bindings(&self) -> &Bindings {
+        &self.bindings
     }
 
     /// As the window's title says it.

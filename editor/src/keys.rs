@@ -27,25 +27,30 @@ fn is_for_all(shortcut: &Shortcut) -> bool {
 }
 
 fn command(event: &Event, bindings: &Bindings) -> Option<(Shortcut, Command)> {
+    let shortcut = shortcut(event)?;
+    let command = bindings.command(shortcut)?;
+    let is_held = matches!(event, Event::Key { repeat: true, .. });
+    // What is undone step by step is undone by holding the key.
+    (!is_held || matches!(command, Command::Undo | Command::Redo)).then_some((shortcut, command))
+}
+
+/// What was pressed.
+pub fn shortcut(event: &Event) -> Option<Shortcut> {
     // Copy, cut and paste come as events of their own where the system knows them.
     let named = |key: &str| Some(Shortcut { ctrl: true, shift: false, alt: false, key: Key::named(key)? });
-    let shortcut = match event {
-        Event::Key { key, pressed: true, repeat, modifiers, .. } => {
-            let shortcut = Shortcut {
-                ctrl: modifiers.command,
-                shift: modifiers.shift,
-                alt: modifiers.alt,
-                key: Key::named(key.name())?,
-            };
-            let again = matches!(bindings.command(shortcut), Some(Command::Undo | Command::Redo));
-            (!repeat || again).then_some(shortcut)
-        }
+    match event {
+        Event::Key { key, pressed: true, modifiers, .. } => Some(Shortcut {
+            ctrl: modifiers.command,
+            // Some keyboards need Shift to write it.
+            shift: modifiers.shift && *key != egui::Key::Plus,
+            alt: modifiers.alt,
+            key: Key::named(key.name())?,
+        }),
         Event::Copy => named("C"),
         Event::Cut => named("X"),
         Event::Paste(_) => named("V"),
         _ => None,
-    }?;
-    Some((shortcut, bindings.command(shortcut)?))
+    }
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Where panels are: docked, tabbed and split as the user likes.
 
 use eframe::egui;
-use egui::{Color32, Stroke, Style, Ui, Visuals, WidgetText};
+use egui::{Color32, Popup, Response, Role, Stroke, Style, Ui, Visuals, WidgetInfo, WidgetText};
 use egui_tiles::{
     Container, Linear, LinearDir, SimplificationOptions, TabState, Tile, TileId, Tiles, Tree, UiResponse,
 };
@@ -47,6 +47,9 @@ impl Pane {
 
 pub type Layout = Tree<Pane>;
 
+/// They share the room under the pictures.
+const BELOW: [Pane; 3] = [Pane::Assets, Pane::Console, Pane::Statistics];
+
 /// Hierarchy left, inspector right, the pictures between them above console and statistics.
 pub fn default_layout() -> Layout {
     let mut tiles = Tiles::default();
@@ -56,10 +59,10 @@ pub fn default_layout() -> Layout {
     };
     let left = tabs(&[Pane::Hierarchy]);
     let pictures = tabs(&[Pane::Scene, Pane::Game]);
-    let below = tabs(&[Pane::Assets, Pane::Console, Pane::Statistics]);
+    let below = tabs(&BELOW);
     let right = tabs(&[Pane::Inspector]);
     let middle = split(&mut tiles, LinearDir::Vertical, &[(pictures, 0.77), (below, 0.23)]);
-    let root = split(&mut tiles, LinearDir::Horizontal, &[(left, 0.18), (middle, 0.585), (right, 0.235)]);
+    let root = split(&mut tiles, LinearDir::Horizontal, &[(left, 0.17), (middle, 0.575), (right, 0.255)]);
     Tree::new(egui::Id::unique("layout"), root, tiles)
 }
 
@@ -69,16 +72,24 @@ fn split(tiles: &mut Tiles<Pane>, dir: LinearDir, children: &[(TileId, f32)]) ->
     tiles.insert_container(Container::Linear(linear))
 }
 
-/// Shows a panel, wherever it is; one that was closed comes back as a tab beside the scene.
-pub fn reveal(layout: &mut Layout, pane: Pane) {
-    if layout.tiles.find_pane(&pane).is_none() {
-        let new = layout.tiles.insert_pane(pane);
-        let beside = layout.tiles.find_pane(&Pane::Scene).and_then(|scene| layout.tiles.parent_of(scene));
-        match beside.or(layout.root) {
-            Some(container) => layout.move_tile_to_container(new, container, usize::MAX, false),
-            None => *layout = Tree::new(egui::Id::unique("layout"), new, std::mem::take(&mut layout.tiles)),
-        }
+/// A tab beside the panel that it stands beside at first, or beside the scene.
+fn add(layout: &mut Layout, pane: Pane) {
+    if is_open(layout, pane) {
+        return;
     }
+    let neighbours = if BELOW.contains(&pane) { &BELOW[..] } else { &[Pane::Scene] };
+    let tabs = |near: &Pane| layout.tiles.find_pane(near).and_then(|near| layout.tiles.parent_of(near));
+    let beside = neighbours.iter().chain([&Pane::Scene]).find_map(tabs).or(layout.root);
+    let new = layout.tiles.insert_pane(pane);
+    match beside {
+        Some(container) => layout.move_tile_to_container(new, container, usize::MAX, false),
+        None => *layout = Tree::new(egui::Id::unique("layout"), new, std::mem::take(&mut layout.tiles)),
+    }
+}
+
+/// Shows a panel, wherever it is; one that was closed comes back.
+pub fn reveal(layout: &mut Layout, pane: Pane) {
+    add(layout, pane);
     layout.make_active(|_, tile| matches!(tile, Tile::Pane(other) if *other == pane));
 }
 
@@ -92,20 +103,36 @@ pub fn close(layout: &mut Layout, pane: Pane) {
     }
 }
 
-/// As preferences hold it. `None`: it cannot be written.
-pub fn written(layout: &Layout) -> Option<String> {
-    ron::to_string(layout).ok()
+/// A layout, and which panels there were when it was made.
+#[derive(Serialize, Deserialize)]
+struct Kept<L> {
+    panels: Vec<Pane>,
+    tree: L,
 }
 
-/// `None`: it is no layout of this editor, or it lacks the scene view.
+/// As preferences hold it. `None`: it cannot be written.
+pub fn written(layout: &Layout) -> Option<String> {
+    ron::to_string(&Kept { panels: Pane::ALL.to_vec(), tree: layout }).ok()
+}
+
+/// With panels that came after it was made; one that was closed stays closed. `None`: it is no layout of this editor, or
+/// it lacks the scene view.
 pub fn read(text: &str) -> Option<Layout> {
-    let layout: Layout = ron::from_str(text).ok()?;
-    is_open(&layout, Pane::Scene).then_some(layout)
+    let Kept { panels, tree: mut layout }: Kept<Layout> = ron::from_str(text).ok()?;
+    if !is_open(&layout, Pane::Scene) {
+        return None;
+    }
+    for pane in Pane::ALL.into_iter().filter(|pane| !panels.contains(pane)) {
+        add(&mut layout, pane);
+    }
+    Some(layout)
 }
 
 /// Draws panels into their places.
 pub struct Docks<'a> {
     pub show: &'a mut dyn FnMut(&mut Ui, Pane),
+    /// The panel that is to be closed.
+    pub closed: Option<Pane>,
 }
 
 impl egui_tiles::Behavior<Pane> for Docks<'_> {
@@ -120,6 +147,21 @@ impl egui_tiles::Behavior<Pane> for Docks<'_> {
 
     fn simplification_options(&self) -> SimplificationOptions {
         SimplificationOptions { all_panes_must_have_tabs: true, ..Default::default() }
+    }
+
+    /// Named for screen readers; a right click closes it.
+    fn on_tab_button(&mut self, tiles: &mut Tiles<Pane>, tile: TileId, button: Response) -> Response {
+        let Some(Tile::Pane(pane)) = tiles.get(tile) else { return button };
+        let pane = *pane;
+        button.widget_info(|| WidgetInfo::labeled(Role::Tab, true, format!("{} panel", pane.name())));
+        let is_closed = pane != Pane::Scene
+            && Popup::context_menu(&button)
+                .show(|ui| ui.button(format!("Close {}", pane.name().to_lowercase())).clicked())
+                .is_some_and(|shown| shown.inner);
+        if is_closed {
+            self.closed = Some(pane);
+        }
+        button
     }
 
     fn is_tab_closable(&self, _: &Tiles<Pane>, _: TileId) -> bool {
@@ -183,5 +225,19 @@ mod tests {
         let text = written(&layout).unwrap();
         assert!(read(&text) == Some(layout), "{text}");
         assert!(read("nonsense").is_none());
+    }
+
+    #[test]
+    fn a_panel_of_a_later_version_comes_and_one_that_was_closed_stays_closed() {
+        let mut layout = default_layout();
+        close(&mut layout, Pane::Console);
+        close(&mut layout, Pane::Game);
+        let text = written(&layout).unwrap();
+        let older = text.replace(",console", "");
+        assert_ne!(older, text, "{text}");
+        let read = read(&older).unwrap();
+        assert!(is_open(&read, Pane::Console) && !is_open(&read, Pane::Game));
+        let beside = |pane| read.tiles.find_pane(&pane).and_then(|tile| read.tiles.parent_of(tile));
+        assert_eq!(beside(Pane::Console), beside(Pane::Assets));
     }
 }

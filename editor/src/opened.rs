@@ -1,12 +1,13 @@
 //! A project that was opened: its document, what it refers to, and what lights it.
 
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use engine::play::World;
 use engine::render::{Asked, Settings};
 use engine::scene::assets::Assets;
+use engine::scene::file::scene_path;
 use engine::scene::import::load_assets;
 use engine::scene::{EntityId, SceneError, Warning};
 use engine::transport::Transport;
@@ -15,6 +16,7 @@ use glam::DVec3;
 
 use crate::baking::{self, Baked};
 use crate::document::Document;
+use crate::primitives;
 
 pub struct Opened {
     pub document: Document,
@@ -59,6 +61,50 @@ impl Opened {
                 Ok(Self { document, assets, shown, baked: None, cubemaps, settings, features, warnings })
             }
         }
+    }
+}
+
+/// Which document is to be opened, or made first.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Wanted {
+    /// `scene`: `None` for the project's default one.
+    Open {
+        project: PathBuf,
+        scene: Option<String>,
+    },
+    /// With what every new scene has.
+    NewScene {
+        project: PathBuf,
+        name: String,
+    },
+    NewProject(PathBuf),
+}
+
+impl Wanted {
+    pub fn place(&self) -> PathBuf {
+        match self {
+            Self::Open { project, scene: None } | Self::NewProject(project) => project.clone(),
+            Self::Open { project, scene: Some(name) } | Self::NewScene { project, name } => {
+                scene_path(project, name)
+            }
+        }
+    }
+
+    /// Waits for the disk. What is there already is not overwritten.
+    pub fn load(&self) -> Result<Opened, String> {
+        let first = primitives::first_scene;
+        let (project, scene) = match self {
+            Self::Open { project, scene } => (project, scene.as_deref()),
+            Self::NewScene { project, name } => {
+                Document::new_scene(project, name, first()).map_err(|error| bake::chain::told(&error))?;
+                (project, Some(name.as_str()))
+            }
+            Self::NewProject(project) => {
+                Document::new_project(project, "main", first()).map_err(|error| bake::chain::told(&error))?;
+                (project, None)
+            }
+        };
+        Opened::load(project, scene).map_err(|error| bake::chain::told(&error))
     }
 }
 

@@ -118,7 +118,7 @@ pub fn day() -> Sky {
 }
 
 /// The material that shapes get: a light grey, as of plaster.
-fn plaster(id: MaterialId) -> Material {
+pub fn plaster(id: MaterialId) -> Material {
     let mut material = Material { id, name: "plaster".to_owned(), roughness: 0.8, ..Material::default() };
     material.albedo.color = Vec3::splat(0.7);
     material
@@ -153,6 +153,10 @@ pub fn create(
         .map_or(document.scene().entities.len(), |parent| tree::end_of_subtree(document.indexed(), parent));
     edits.push(Edit::Insert(vec![(at, entity)]));
     (Edit::several(name, edits), Some(id))
+}
+
+pub fn cube(material: MaterialId) -> MeshRenderer {
+    renderer(Shape::Cube, material)
 }
 
 fn renderer(shape: Shape, material: MaterialId) -> MeshRenderer {

@@ -111,7 +111,7 @@ impl Preferences {
         self.recent_projects.truncate(MOST_RECENT);
     }
 
-    /// Those that are still there.
+    /// Those that are still there. Looks at the disk.
     pub fn existing_projects(&self) -> impl Iterator<Item = &Path> {
         let is_project = |project: &&PathBuf| engine::scene::file::project_path(project).is_file();
         self.recent_projects.iter().filter(is_project).map(PathBuf::as_path)

@@ -12,6 +12,7 @@ use crate::command::{Command, State};
 use crate::gizmo::Tool;
 use crate::intents::{Intent, Session};
 use crate::layout::{self, Pane};
+use crate::panels::preferences::Tab;
 use crate::panels::scene::probing;
 use crate::primitives::Primitive;
 use crate::recent::Theme;
@@ -19,20 +20,8 @@ use crate::scenery::Scenery;
 use crate::tools;
 
 /// Commands of the table that this editor has no part for yet: no menu shows them, no key gives them.
-const NOT_YET: [Command; 12] = [
-    Command::NewProject,
-    Command::NewScene,
-    Command::OpenScene,
-    Command::SaveAs,
-    Command::Recover,
-    Command::Preferences,
-    Command::Import,
-    Command::Reimport,
-    Command::RenameAsset,
-    Command::RelinkMissing,
-    Command::SearchAssets,
-    Command::Shortcuts,
-];
+const NOT_YET: [Command; 5] =
+    [Command::Import, Command::Reimport, Command::RenameAsset, Command::RelinkMissing, Command::SearchAssets];
 
 pub fn is_known(command: Command) -> bool {
     !NOT_YET.contains(&command)
@@ -119,9 +108,14 @@ impl Editor {
             Command::SelectChildren | Command::Rename => self.choose(command),
             Command::Play | Command::Pause | Command::Step => self.run_play(command),
             Command::Bake | Command::CancelBake => self.run_bake(command),
-            Command::Save | Command::Reload | Command::Recover | Command::OpenProject | Command::Quit => {
-                self.file(command, ui);
-            }
+            Command::Save | Command::Reload | Command::Quit => self.file(command, ui),
+            Command::NewProject
+            | Command::OpenProject
+            | Command::NewScene
+            | Command::OpenScene
+            | Command::SaveAs => self.ask_for_file(command),
+            Command::Preferences => self.settings.open(Tab::Appearance),
+            Command::Shortcuts => self.settings.open(Tab::Shortcuts),
             Command::ResetLayout
             | Command::ToggleTheme
             | Command::ScaleUp
@@ -303,12 +297,6 @@ impl Editor {
                     log.scene_error(&error, document.scene());
                 }
             }
-            Command::Recover => {
-                if let Err(error) = document.recover() {
-                    log.scene_error(&error, document.scene());
-                }
-            }
-            Command::OpenProject => self.ask_for_project(),
             Command::Quit => ui.ctx().send_viewport_cmd(ViewportCommand::Close),
             _ => {}
         }

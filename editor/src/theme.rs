@@ -3,13 +3,14 @@
 
 use eframe::egui;
 use egui::{
-    Color32, CornerRadius, FontFamily, FontId, Margin, Shadow, Stroke, Style, TextStyle, Theme, Visuals, vec2,
+    Color32, CornerRadius, FontFamily, FontId, Margin, Rect, Response, Shadow, Stroke, StrokeKind, Style,
+    TextStyle, Theme, Ui, Visuals, vec2,
 };
 
 /// Height of a row in lists, of a field, of a button in a bar; points.
 pub const ROW: f32 = 22.0;
 /// Width that the names of fields take up in the inspector.
-pub const NAMES: f32 = 104.0;
+pub const NAMES: f32 = 116.0;
 
 /// Of one theme, from the back to the front.
 struct Palette {
@@ -103,6 +104,7 @@ fn apply(style: &mut Style, palette: &Palette) {
     spacing.scroll.bar_outer_margin = 0.0;
     style.interaction.tooltip_delay = 0.45;
     style.interaction.selectable_labels = false;
+    style.drag_value_text_style = TextStyle::Body;
     style.animation_time = 0.08;
     visuals(&mut style.visuals, palette);
 }
@@ -175,6 +177,14 @@ pub const AXES: [Color32; 3] = [rgb(0xe5534b), rgb(0x7cb342), rgb(0x4a8ff0)];
 pub const GRASPED: Color32 = rgb(0xffd24a);
 /// As the outline in the scene view.
 pub const SELECTED: Color32 = rgb(0xff9421);
+
+/// Where the keyboard is.
+pub fn focus_ring(ui: &Ui, rect: Rect, response: &Response) {
+    if response.has_focus() {
+        let stroke = Stroke::new(1.0, accent(ui.visuals()));
+        ui.painter().rect_stroke(rect, 3.0, stroke, StrokeKind::Inside);
+    }
+}
 
 /// A frame that fills a panel.
 pub fn panel(style: &Style) -> egui::Frame {

@@ -1,16 +1,18 @@
-//! Leaving a document: for another project, or for good. What is not saved is asked about first.
+//! Leaving a document: for another one, or for good. What is not saved is asked about first.
 
-use std::path::PathBuf;
 use std::sync::mpsc;
+use std::time::Duration;
 
 use eframe::egui;
 use egui::{Modal, RichText, Ui, ViewportCommand};
 
 use super::Editor;
 use crate::baking::Baking;
+use crate::command::Command;
 use crate::intents::Session;
 use crate::log::Source;
-use crate::opened::Opened;
+use crate::opened::{Opened, Wanted};
+use crate::panels::files::Chosen;
 use crate::panels::game::GameView;
 use crate::panels::hierarchy::Hierarchy;
 use crate::panels::scene::SceneView;
@@ -21,30 +23,75 @@ use crate::viewport::Stage;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Then {
     Quit,
-    Open(PathBuf),
+    Open(Wanted),
+}
+
+/// How far leaving has come.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Leaving {
+    then: Then,
+    answer: Answer,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Answer {
+    Awaited,
+    /// What comes next waits until it is on disk.
+    Saving,
+    /// The window closes, and is not asked about again.
+    Given,
 }
 
 impl Editor {
-    pub(crate) fn ask_for_project(&mut self) {
-        self.open.open(&self.preferences);
+    pub(crate) fn ask_for_file(&mut self, question: Command) {
+        let document = &self.session.document;
+        self.asking.ask(question, &self.preferences, document.project(), document.name());
+    }
+
+    /// Something is asked: keys give no commands.
+    pub(super) fn is_asking(&self) -> bool {
+        let is_offered = self.session.document.recovery().is_some();
+        self.leaving.is_some() || self.asking.is_open() || self.settings.is_open() || is_offered
     }
 
     pub(super) fn dialogs(&mut self, ui: &mut Ui) {
         let wants_to_close = ui.input(|input| input.viewport().close_requested());
-        if wants_to_close && self.session.document.is_dirty() && self.leaving != Some(Then::Quit) {
+        let is_given = self.leaving.as_ref().is_some_and(|leaving| leaving.answer == Answer::Given);
+        if wants_to_close && self.session.document.is_dirty() && !is_given {
             ui.ctx().send_viewport_cmd(ViewportCommand::CancelClose);
-            self.leaving = Some(Then::Quit);
+            self.leaving = Some(Leaving { then: Then::Quit, answer: Answer::Awaited });
         }
-        if let Some(project) = self.open.show(ui) {
-            if self.session.document.is_dirty() {
-                self.leaving = Some(Then::Open(project));
-            } else {
-                self.load(project);
-            }
+        if let Some(chosen) = self.asking.show(ui) {
+            self.chosen(chosen);
         }
+        self.settings(ui);
         self.confirm(ui);
         self.offer_recovery(ui);
         self.take_loaded(ui);
+    }
+
+    fn chosen(&mut self, chosen: Chosen) {
+        let document = &mut self.session.document;
+        let project = document.project().to_owned();
+        let wanted = match chosen {
+            Chosen::SaveAs(name) => return document.save_as_in_background(&name),
+            Chosen::Project(project) => Wanted::Open { project, scene: None },
+            Chosen::NewProject(project) => Wanted::NewProject(project),
+            Chosen::Scene(name) => Wanted::Open { project, scene: Some(name) },
+            Chosen::NewScene(name) => Wanted::NewScene { project, name },
+        };
+        if document.is_dirty() {
+            self.leaving = Some(Leaving { then: Then::Open(wanted), answer: Answer::Awaited });
+        } else {
+            self.load(wanted);
+        }
+    }
+
+    fn settings(&mut self, ui: &Ui) {
+        if self.settings.show(ui, &mut self.preferences, &mut self.bindings) {
+            self.preferences.shortcuts = self.bindings.to_preferences();
+            self.apply_preferences(ui.ctx());
+        }
     }
 
     /// What was not saved when the editor ended last.
@@ -77,7 +124,17 @@ impl Editor {
     }
 
     fn confirm(&mut self, ui: &Ui) {
-        let Some(then) = self.leaving.clone() else { return };
+        let Some(Leaving { then, answer }) = self.leaving.clone() else { return };
+        match answer {
+            Answer::Awaited => {}
+            Answer::Given => return,
+            Answer::Saving if self.session.document.is_saving() => {
+                return ui.ctx().request_repaint_after(Duration::from_millis(20));
+            }
+            // Told in the console; what was to come does not.
+            Answer::Saving if self.session.document.is_dirty() => return self.leaving = None,
+            Answer::Saving => return self.leave(then, ui),
+        }
         let mut answer = None;
         let modal = Modal::new(egui::Id::unique("unsaved")).show(ui.ctx(), |ui| {
             ui.set_width(360.0);
@@ -89,14 +146,8 @@ impl Editor {
         });
         match answer {
             Some("Save") => {
-                // What comes next needs to know whether it is on disk.
-                match self.session.document.save() {
-                    Ok(()) => self.leave(then, ui),
-                    Err(error) => {
-                        self.leaving = None;
-                        self.session.log.error(Source::Nothing, bake::chain::told(&error));
-                    }
-                }
+                self.session.document.save_in_background();
+                self.leaving = Some(Leaving { then, answer: Answer::Saving });
             }
             Some("Discard") => self.leave(then, ui),
             Some(_) => self.leaving = None,
@@ -107,29 +158,26 @@ impl Editor {
 
     fn leave(&mut self, then: Then, ui: &Ui) {
         match then {
-            // Stays what it is, so that the window is not asked about again.
             Then::Quit => {
-                // Chosen: what is not saved is not kept for the next start either.
-                self.session.document.discard_recovery();
-                self.leaving = Some(Then::Quit);
+                self.session.document.give_up();
+                self.leaving = Some(Leaving { then, answer: Answer::Given });
                 ui.ctx().send_viewport_cmd(ViewportCommand::Close);
             }
-            Then::Open(project) => {
+            Then::Open(wanted) => {
                 self.leaving = None;
-                self.load(project);
+                self.load(wanted);
             }
         }
     }
 
-    /// On a thread of its own: files are read, and a bake may be large.
-    fn load(&mut self, project: PathBuf) {
+    /// On a thread of its own: files are written and read, and a bake may be large.
+    fn load(&mut self, wanted: Wanted) {
         let (sender, receiver) = mpsc::channel();
-        self.session.log.info(format!("Opening {}", project.display()));
+        self.session.log.info(format!("Opening {}", wanted.place().display()));
         self.loading = Some(receiver);
         std::thread::spawn(move || {
-            let opened = Opened::load(&project, None).map_err(|error| bake::chain::told(&error));
             // Nobody waits any more where the editor is gone.
-            let _ = sender.send(opened);
+            let _ = sender.send(wanted.load());
         });
     }
 
@@ -139,7 +187,7 @@ impl Editor {
             Ok(Ok(opened)) => self.replace(opened, ui),
             Ok(Err(error)) => self.session.log.error(Source::Nothing, error),
             Err(mpsc::TryRecvError::Empty) => {
-                return ui.ctx().request_repaint_after(std::time::Duration::from_millis(50));
+                return ui.ctx().request_repaint_after(Duration::from_millis(50));
             }
             Err(mpsc::TryRecvError::Disconnected) => {
                 self.session.log.error(Source::Nothing, "the project could not be opened: see the terminal");

@@ -59,7 +59,11 @@ impl Bindings {
         if let Some((shortcut, with)) = taken {
             return Err(Conflict { shortcut, with });
         }
-        self.bound.insert(command, shortcuts);
+        if shortcuts == Self::default().shortcuts(command) {
+            self.bound.remove(&command);
+        } else {
+            self.bound.insert(command, shortcuts);
+        }
         Ok(())
     }
 

@@ -19,7 +19,6 @@ pub enum Command {
     Save,
     SaveAs,
     Reload,
-    Recover,
     Preferences,
     Quit,
     Undo,
@@ -131,7 +130,7 @@ const fn row(
 }
 
 #[rustfmt::skip]
-pub const ROWS: [Row; 105] = [
+pub const ROWS: [Row; 104] = [
     row(Command::NewProject, File, "file.new_project", "New project", &[], Nothing),
     row(Command::OpenProject, File, "file.open_project", "Open project", &["Ctrl+O"], Nothing),
     row(Command::NewScene, File, "file.new_scene", "New scene", &["Ctrl+N"], Authoring),
@@ -139,7 +138,6 @@ pub const ROWS: [Row; 105] = [
     row(Command::Save, File, "file.save", "Save", &["Ctrl+S"], Authoring),
     row(Command::SaveAs, File, "file.save_as", "Save as", &["Ctrl+Shift+S"], Authoring),
     row(Command::Reload, File, "file.reload", "Reload from disk", &[], Authoring),
-    row(Command::Recover, File, "file.recover", "Recover unsaved work", &[], Authoring),
     row(Command::Preferences, File, "file.preferences", "Preferences", &["Ctrl+Comma"], Nothing),
     row(Command::Quit, File, "file.quit", "Quit", &["Ctrl+Q"], Nothing),
     row(Command::Undo, Edit, "edit.undo", "Undo", &["Ctrl+Z"], Undo),
@@ -233,7 +231,7 @@ pub const ROWS: [Row; 105] = [
     row(Command::ShowStatistics, Window, "window.statistics", "Show statistics", &["Ctrl+7"], Nothing),
     row(Command::ResetLayout, Window, "window.reset_layout", "Reset layout", &[], Nothing),
     row(Command::ToggleTheme, Window, "window.theme", "Light or dark theme", &[], Nothing),
-    row(Command::ScaleUp, Window, "window.scale_up", "Larger text and controls", &["Ctrl+Plus"], Nothing),
+    row(Command::ScaleUp, Window, "window.scale_up", "Larger text and controls", &["Ctrl+Plus", "Ctrl+Equals"], Nothing),
     row(Command::ScaleDown, Window, "window.scale_down", "Smaller text and controls", &["Ctrl+Minus"], Nothing),
     row(Command::ScaleReset, Window, "window.scale_reset", "Usual size of text and controls", &["Ctrl+0"], Nothing),
     row(Command::Shortcuts, Window, "window.shortcuts", "Keyboard shortcuts", &["F1"], Nothing),

@@ -6,7 +6,7 @@ use std::thread::JoinHandle;
 
 use engine::scene::{Scene, SceneError};
 
-use super::file::{SaveError, write_scene};
+use super::file::{SaveError, write_new_scene, write_scene};
 use super::notes::Notes;
 use crate::recovery;
 use crate::watch::{Changed, Stamp, Watch};
@@ -17,6 +17,13 @@ pub enum Work {
     Save {
         path: PathBuf,
         known: Option<Stamp>,
+        scene: Box<Scene>,
+        state: u64,
+    },
+    /// Under a name that the project does not have yet.
+    SaveAs {
+        project: PathBuf,
+        name: String,
         scene: Box<Scene>,
         state: u64,
     },
@@ -45,6 +52,7 @@ pub enum Work {
 #[derive(Debug)]
 pub enum Done {
     Saved { state: u64, stamp: Result<Stamp, SaveError> },
+    SavedAs { name: String, state: u64, stamp: Result<Stamp, SaveError> },
     Recovery(Result<(), SceneError>),
     Notes(SceneError),
     Changed(Vec<(PathBuf, Changed)>),
@@ -97,6 +105,10 @@ fn serve(asked: Receiver<Work>, answer: Sender<Done>) {
         let done = match work {
             Work::Save { path, known, scene, state } => {
                 Some(Done::Saved { state, stamp: write_scene(&path, known.as_ref(), &scene) })
+            }
+            Work::SaveAs { project, name, scene, state } => {
+                let stamp = write_new_scene(&project, &name, &scene);
+                Some(Done::SavedAs { name, state, stamp })
             }
             Work::Recovery { project, name, scene } => {
                 Some(Done::Recovery(recovery::write(&project, &name, &scene)))

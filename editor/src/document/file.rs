@@ -87,13 +87,8 @@ impl Document {
 
     /// Adds a scene to a project and opens it.
     pub fn new_scene(project: &Path, name: &str, scene: Scene) -> Result<Self, SaveError> {
-        check_name(name)?;
-        let path = scene_path(project, name);
-        if path.exists() {
-            return Err(SaveError::Exists { path });
-        }
         scene.validate().map_err(disk)?;
-        let stamp = write_scene(&path, None, &scene)?;
+        let stamp = write_new_scene(project, name, &scene)?;
         Ok(Self::new(project, name, scene, Some(stamp), Notes::default()))
     }
 
@@ -129,18 +124,34 @@ impl Document {
 
     /// Under another name, which the document has from then on.
     pub fn save_as(&mut self, name: &str) -> Result<(), SaveError> {
-        check_name(name)?;
-        let path = scene_path(&self.project, name);
-        if path.exists() {
-            return Err(SaveError::Exists { path });
-        }
         self.finish_saving();
         self.settle();
-        let stamp = write_scene(&path, None, self.scene())?;
-        recovery::remove(&self.project, &self.name);
-        self.name = name.to_owned();
+        let stamp = write_new_scene(&self.project, name, self.scene())?;
+        self.renamed(name);
         self.saved(self.state, stamp);
         Ok(())
+    }
+
+    /// The same while editing goes on; what came of it is among the next [`super::Event`]s.
+    pub fn save_as_in_background(&mut self, name: &str) {
+        self.finish_saving();
+        self.settle();
+        let (project, name) = (self.project.clone(), name.to_owned());
+        let scene = Box::new(self.scene().clone());
+        let work = Work::SaveAs { project, name: name.clone(), scene, state: self.state };
+        self.saving = self.disk().ask(work);
+        if !self.saving {
+            // There is no thread: then it is done here.
+            let result = self.save_as(&name);
+            self.events.push(Event::Saved(result));
+        }
+    }
+
+    /// The scene's file is another. What was kept for a crash was of the old one; locks go along.
+    pub(super) fn renamed(&mut self, name: &str) {
+        let (project, old) = (self.project.clone(), std::mem::replace(&mut self.name, name.to_owned()));
+        self.disk().ask(Work::ForgetRecovery { project, name: old });
+        self.written_notes = Notes::default();
     }
 
     /// The file holds the scene as it was in this state.
@@ -186,6 +197,11 @@ impl Document {
 
     /// The end that the user chose: what is not saved is not wanted.
     pub fn close(mut self) {
+        self.give_up();
+    }
+
+    /// What is not saved is not wanted: nothing is kept for the next start.
+    pub fn give_up(&mut self) {
         self.cancel();
         self.saved_state = Some(self.state);
         self.write_notes();
@@ -240,6 +256,16 @@ pub fn write_scene(path: &Path, known: Option<&Stamp>, scene: &Scene) -> Result<
     Ok(Stamp::of(path, text.as_bytes()))
 }
 
+/// Writes a scene of a name that the project does not have yet.
+pub fn write_new_scene(project: &Path, name: &str, scene: &Scene) -> Result<Stamp, SaveError> {
+    check_name(name)?;
+    let path = scene_path(project, name);
+    if path.exists() {
+        return Err(SaveError::Exists { path });
+    }
+    write_scene(&path, None, scene)
+}
+
 /// With what can be done about it.
 fn disk(error: SceneError) -> SaveError {
     use std::io::ErrorKind;
@@ -260,8 +286,11 @@ fn disk(error: SceneError) -> SaveError {
 }
 
 /// Usable as a file's name on every system.
-fn check_name(name: &str) -> Result<(), SaveError> {
+pub fn is_name(name: &str) -> bool {
     let is_usable = |c: char| !c.is_control() && !r#"/\<>:"|?*"#.contains(c);
-    let is_name = !name.is_empty() && name.chars().all(is_usable) && name.trim_matches([' ', '.']) == name;
-    if is_name { Ok(()) } else { Err(SaveError::Name(name.to_owned())) }
+    !name.is_empty() && name.chars().all(is_usable) && name.trim_matches([' ', '.']) == name
+}
+
+fn check_name(name: &str) -> Result<(), SaveError> {
+    if is_name(name) { Ok(()) } else { Err(SaveError::Name(name.to_owned())) }
 }

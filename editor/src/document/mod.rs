@@ -18,7 +18,7 @@ use crate::history::{History, Step};
 use crate::recovery::Recovery;
 use crate::watch::Stamp;
 use disk::Disk;
-pub use file::SaveError;
+pub use file::{SaveError, is_name};
 use notes::Notes;
 pub use tick::Event;
 

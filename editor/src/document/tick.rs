@@ -118,6 +118,14 @@ impl Document {
                     self.save_in_background();
                 }
             }
+            Done::SavedAs { name, state, stamp } => {
+                self.saving = false;
+                let result = stamp.map(|stamp| {
+                    self.renamed(&name);
+                    self.saved(state, stamp);
+                });
+                self.events.push(Event::Saved(result));
+            }
             Done::Recovery(Ok(())) => {}
             Done::Recovery(Err(error)) => self.events.push(Event::NotRecoverable(error)),
             Done::Notes(error) => self.events.push(Event::NotNoted(error)),

@@ -4,7 +4,8 @@ use eframe::egui::Ui;
 use engine::scene::{AutoExposure, Camera, Entity, Projection, ToneCurve};
 
 use super::arithmetic::Unit;
-use super::fields::{Number, section};
+use super::component::{Can, component};
+use super::fields::Number;
 use super::subject::Subject;
 use crate::ask::Asks;
 use crate::edit::Field;
@@ -23,7 +24,11 @@ pub fn show<'a>(ui: &mut Ui, entities: &[&'a Entity], asks: &'a mut Asks) {
     if of.is_empty() {
         return;
     }
-    let removed = section(ui, Icon::Camera, "Camera", Some("Remove the camera"), |ui| {
+    let mut usual = Camera::default();
+    project(&mut usual, of.first().is_some_and(is_parallel));
+    of = of.usually(usual);
+    let can = Can::all(of.can_paste(ui));
+    let wish = component(ui, Icon::Camera, "Camera", can, |ui| {
         of.choice(
             ui,
             ("Projection", "With parallel rays nothing gets smaller with distance"),
@@ -47,6 +52,7 @@ pub fn show<'a>(ui: &mut Ui, entities: &[&'a Entity], asks: &'a mut Asks) {
             |c| c.far.is_some(),
             |c, on| c.far = on.then_some(c.near + 1000.0),
         );
+        of.usually_with(|c| c.far = Some(c.near + 1000.0));
         if of.shared(|c| c.far.is_some()) == Some(true) {
             let get = |c: &Camera| f64::from(c.far.unwrap_or_default());
             of.number(ui, ("Far", "Metres"), &near, get, |c, v| {
@@ -62,9 +68,7 @@ pub fn show<'a>(ui: &mut Ui, entities: &[&'a Entity], asks: &'a mut Asks) {
             |c, v| c.tonemap = v,
         );
     });
-    if removed {
-        of.remove(Field::Camera(None));
-    }
+    of.fulfil(ui, wish, Field::Camera(None));
 }
 
 fn project(camera: &mut Camera, parallel: bool) {
@@ -120,6 +124,7 @@ fn exposure(ui: &mut Ui, of: &mut Cameras<'_>) {
             of.number(ui, ("Exposure", tooltip), &stops, |c| c.exposure.into(), |c, v| c.exposure = v as f32);
         }
         Some(true) => {
+            of.usually_with(|c| c.auto_exposure = Some(AutoExposure::default()));
             let get = |c: &Camera| c.auto_exposure.unwrap_or_default();
             let mut row = |name,
                            tooltip,

@@ -17,8 +17,8 @@ pub fn row<K: Clone, C: Clone>(
     get: impl Fn(&C) -> Vec3,
     set: impl Fn(&mut C, Vec3),
 ) {
-    let shared = of.shared(&get);
-    let touched = fields::row(ui, name, tooltip, |ui| {
+    let (shared, usual) = (of.shared(&get), of.reset_to(&get));
+    let (touched, is_reset) = fields::resettable(ui, name, tooltip, usual.is_some(), |ui| {
         let patch =
             patch(ui, name, shared.or_else(|| of.first().map(&get)).unwrap_or_default(), shared.is_none());
         ui.add_space(2.0);
@@ -41,6 +41,7 @@ pub fn row<K: Clone, C: Clone>(
             set(component, color);
         });
     }
+    of.reset(usual, is_reset, set);
 }
 
 /// What is brighter than a display is picked at its brightest, and stays as bright as it was.

@@ -5,7 +5,8 @@ use engine::scene::{Changes, Entity, Light, LightKind, Switching};
 
 use super::arithmetic::Unit;
 use super::colour;
-use super::fields::{Number, section};
+use super::component::{Can, component};
+use super::fields::Number;
 use super::subject::Subject;
 use crate::ask::Asks;
 use crate::edit::Field;
@@ -37,7 +38,9 @@ pub fn show<'a>(ui: &mut Ui, entities: &[&'a Entity], asks: &'a mut Asks) {
     if of.is_empty() {
         return;
     }
-    let removed = section(ui, Icon::Lamp, "Light", Some("Remove the light"), |ui| {
+    of = of.usually(usual(entities));
+    let can = Can::all(of.can_paste(ui));
+    let wish = component(ui, Icon::Lamp, "Light", can, |ui| {
         of.choice(
             ui,
             ("Kind", "A sun shines from infinitely far, a point all around, a spot in a cone"),
@@ -71,9 +74,18 @@ pub fn show<'a>(ui: &mut Ui, entities: &[&'a Entity], asks: &'a mut Asks) {
         of.choice(ui, ("May change", changes), &CHANGES, |l| l.changes, |l, changes| l.changes = changes);
         switching(ui, &mut of);
     });
-    if removed {
-        of.remove(Field::Light(None));
+    of.fulfil(ui, wish, Field::Light(None));
+}
+
+/// As one of its kind is created.
+fn usual(entities: &[&Entity]) -> Light {
+    let mut usual = Light { intensity: 10.0, ..Light::default() };
+    let first = entities.iter().find_map(|entity| entity.light.as_ref());
+    set_kind(&mut usual, first.map_or(Kind::Point, kind));
+    if usual.kind == LightKind::Sun {
+        usual.intensity = 3.0;
     }
+    usual
 }
 
 fn set_kind(light: &mut Light, kind: Kind) {
@@ -140,6 +152,7 @@ fn range(ui: &mut Ui, of: &mut Lights<'_>) {
     let limited = "Beyond its range nothing is lit. Without one it falls off with the square alone";
     let set = |l: &mut Light, on: bool| l.range = on.then_some(10.0);
     of.toggle(ui, ("Limited", limited), |l| l.range.is_some(), set);
+    of.usually_with(|l| l.range = Some(10.0));
     if of.shared(|l| l.range.is_some()) == Some(true) {
         let number = Number { least: 0.01, ..Number::positive(Unit::Metres) };
         let get = |l: &Light| f64::from(l.range.unwrap_or_default());
@@ -159,6 +172,7 @@ fn switching(ui: &mut Ui, of: &mut Lights<'_>) {
     if of.shared(|l| l.switching.is_some()) != Some(true) {
         return;
     }
+    of.usually_with(|l| l.switching = Some(first));
     let get = move |l: &Light| l.switching.unwrap_or(first);
     let change = |l: &mut Light, change: &dyn Fn(&mut Switching)| l.switching.iter_mut().for_each(change);
     let seconds = Number { least: 0.01, ..Number::positive(Unit::Seconds) };
@@ -175,5 +189,13 @@ fn switching(ui: &mut Ui, of: &mut Lights<'_>) {
         &Number::share(),
         |l| get(l).on_share,
         |l, value| change(l, &|s| s.on_share = value),
+    );
+    let ahead = Number { unit: Unit::Seconds, ..Number::default() };
+    of.number(
+        ui,
+        ("Ahead by", "Seconds: lamps of one period take turns by it"),
+        &ahead,
+        |l| get(l).offset,
+        |l, value| change(l, &|s| s.offset = value),
     );
 }

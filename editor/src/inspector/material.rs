@@ -56,8 +56,11 @@ fn one(ui: &mut Ui, name: &str, materials: &[&Material], asks: &mut Asks) {
     let edit = |items: Vec<(MaterialId, Material)>| {
         Edit::SetMaterials(items.into_iter().map(|(_, material)| material).collect())
     };
-    let mut of = Subject::new(items, edit, asks);
-    section(ui, Icon::Material, name, None, |ui| fields_of(ui, &mut of));
+    let mut of = Subject::new(items, edit, asks).usually(Material::default());
+    // Several may have one name.
+    ui.push_id(materials.first().map(|material| material.id.0), |ui| {
+        section(ui, Icon::Material, name, None, |ui| fields_of(ui, &mut of));
+    });
 }
 
 fn fields_of(ui: &mut Ui, of: &mut Materials<'_>) {
@@ -89,6 +92,17 @@ fn fields_of(ui: &mut Ui, of: &mut Materials<'_>) {
     );
     texture(ui, of, "Metal, roughness", |m| m.metallic_roughness_texture.as_ref());
     texture(ui, of, "Normals", |m| m.normal_texture.as_ref());
+    if of.shared(|m| m.normal_texture.is_some()) == Some(true) {
+        let depth = Number { most: 8.0, ..Number::share() };
+        let tooltip = "How far its normals tilt: 1 as the picture says, 0 flat";
+        of.number(
+            ui,
+            ("Bumps", tooltip),
+            &depth,
+            |m| m.normal_scale.into(),
+            |m, v| m.normal_scale = v as f32,
+        );
+    }
     emission(ui, of);
     let set = |m: &mut Material, kind: Kind| {
         m.alpha = match kind {
@@ -98,6 +112,9 @@ fn fields_of(ui: &mut Ui, of: &mut Materials<'_>) {
         };
     };
     of.choice(ui, ("Surface", "Whether one sees through it"), &KINDS, kind, set);
+    if of.shared(kind) == Some(Kind::Mask) {
+        cutoff(ui, of, &share);
+    }
     if of.shared(kind).is_some_and(|kind| kind != Kind::Opaque) {
         of.number(
             ui,
@@ -111,6 +128,15 @@ fn fields_of(ui: &mut Ui, of: &mut Materials<'_>) {
     of.toggle(ui, ("Unlit", "Shown in its color, whatever the light"), |m| m.unlit, |m, on| m.unlit = on);
     let changes = "What of its color may change while the scene plays: the less, the cheaper";
     of.choice(ui, ("May change", changes), &CHANGES, |m| m.albedo.changes, |m, v| m.albedo.changes = v);
+}
+
+fn cutoff(ui: &mut Ui, of: &mut Materials<'_>, share: &Number) {
+    let get = |m: &Material| match m.alpha {
+        Alpha::Mask { cutoff } => f64::from(cutoff),
+        _ => 0.5,
+    };
+    let set = |m: &mut Material, v: f64| m.alpha = Alpha::Mask { cutoff: v as f32 };
+    of.number(ui, ("Cutoff", "What is less opaque is a hole"), share, get, set);
 }
 
 fn emission(ui: &mut Ui, of: &mut Materials<'_>) {
@@ -136,6 +162,14 @@ fn emission(ui: &mut Ui, of: &mut Materials<'_>) {
     texture(ui, of, "Emission picture", |m| m.emission.texture.as_ref());
     let sampled = "The bake aims at it: for small, bright lamps";
     of.toggle(ui, ("Aimed at", sampled), |m| m.emission.sampled, |m, on| m.emission.sampled = on);
+    let changes = "What of its emission may change while the scene plays: the less, the cheaper";
+    of.choice(
+        ui,
+        ("Glow may change", changes),
+        &CHANGES,
+        |m| m.emission.changes,
+        |m, v| m.emission.changes = v,
+    );
 }
 
 /// The picture's name, where there is one.

@@ -2,9 +2,11 @@
 
 use eframe::egui::{ComboBox, RichText, Ui};
 use engine::scene::shape::Shape;
-use engine::scene::{Entity, EntityId, Material, MaterialId, MeshRenderer, MeshSource};
+use engine::scene::{Density, Entity, EntityId, Material, MaterialId, MeshRenderer, MeshSource, Reflection};
 
-use super::fields::{self, Number, section};
+use super::component::{Can, component};
+use super::fields::{self, Number};
+use super::reflections;
 use super::subject::Subject;
 use crate::ask::Asks;
 use crate::document::Document;
@@ -19,7 +21,7 @@ const SHAPES: [(Shape, &str); 5] = [
     (Shape::Quad, "Quad"),
 ];
 
-type Meshes<'a> = Subject<'a, EntityId, MeshRenderer>;
+pub type Meshes<'a> = Subject<'a, EntityId, MeshRenderer>;
 
 pub fn show<'a>(ui: &mut Ui, document: &Document, entities: &[&'a Entity], asks: &'a mut Asks) {
     let field = |mesh| Field::Mesh(Some(Box::new(mesh)));
@@ -27,7 +29,16 @@ pub fn show<'a>(ui: &mut Ui, document: &Document, entities: &[&'a Entity], asks:
     if of.is_empty() {
         return;
     }
-    let removed = section(ui, Icon::Mesh, "Mesh", Some("Remove the mesh"), |ui| {
+    // Which mesh and which materials is nobody's habit: these stay.
+    let usual = of.first().map(|mesh| MeshRenderer {
+        casts_shadows: true,
+        density: Density::default(),
+        reflection: Reflection::default(),
+        ..mesh.clone()
+    });
+    let can = Can { reset: entities.len() == 1, ..Can::all(of.can_paste(ui)) };
+    of = usual.into_iter().fold(of, Subject::usually);
+    let wish = component(ui, Icon::Mesh, "Mesh", can, |ui| {
         source(ui, &mut of);
         let slots = of.shared(|mesh| mesh.materials.len()).unwrap_or(0);
         for slot in 0..slots {
@@ -55,10 +66,9 @@ pub fn show<'a>(ui: &mut Ui, document: &Document, entities: &[&'a Entity], asks:
                 m.reflection.strength = v as f32;
             },
         );
+        reflections::show(ui, &mut of, document);
     });
-    if removed {
-        of.remove(Field::Mesh(None));
-    }
+    of.fulfil(ui, wish, Field::Mesh(None));
 }
 
 /// Shapes can be exchanged; what came from a file is named.
@@ -102,6 +112,7 @@ fn material(ui: &mut Ui, of: &mut Meshes<'_>, document: &Document, slot: usize, 
         let shown = ComboBox::from_id_salt(&name)
             .selected_text(shared.map_or("\u{2014}", named))
             .width(ui.available_width())
+            .truncate()
             .show_ui(ui, |ui| {
                 for material in &document.scene().materials {
                     if ui.selectable_label(shared == Some(material.id), &material.name).clicked() {

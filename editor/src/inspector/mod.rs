@@ -5,11 +5,15 @@ mod add;
 pub mod arithmetic;
 mod camera;
 mod colour;
+mod component;
+mod entity;
 mod fields;
 mod light;
 mod material;
 mod mesh;
+mod motion;
 mod probes;
+mod reflections;
 mod sky;
 mod subject;
 mod transform;
@@ -123,6 +127,7 @@ fn components(ui: &mut Ui, document: &Document, entities: &[&Entity], asks: &mut
     camera::show(ui, entities, asks);
     probes::light_probes(ui, entities, asks);
     probes::reflection_probe(ui, entities, asks);
+    motion::show(ui, entities, asks);
     material::show(ui, document, entities, asks);
-    add::show(ui, entities, asks);
+    add::show(ui, document, entities, asks);
 }

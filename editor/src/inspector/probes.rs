@@ -5,7 +5,8 @@ use engine::scene::{Entity, Faces, LightProbeGroup, ReflectionProbe, Refresh};
 use glam::DVec3;
 
 use super::arithmetic::Unit;
-use super::fields::{self, Number, section};
+use super::component::{Can, component};
+use super::fields::{self, Number};
 use super::subject::Subject;
 use crate::ask::Asks;
 use crate::edit::Field;
@@ -27,7 +28,9 @@ pub fn light_probes<'a>(ui: &mut Ui, entities: &[&'a Entity], asks: &'a mut Asks
         return;
     }
     let count = of.shared(|group: &LightProbeGroup| group.positions.len());
-    let removed = section(ui, Icon::LightProbes, "Light probes", Some("Remove the light probes"), |ui| {
+    of = of.usually(super::add::eight_probes());
+    let can = Can::all(of.can_paste(ui));
+    let wish = component(ui, Icon::LightProbes, "Light probes", can, |ui| {
         fields::row(
             ui,
             "Probes",
@@ -37,9 +40,7 @@ pub fn light_probes<'a>(ui: &mut Ui, entities: &[&'a Entity], asks: &'a mut Asks
             },
         );
     });
-    if removed {
-        of.remove(Field::LightProbes(None));
-    }
+    of.fulfil(ui, wish, Field::LightProbes(None));
 }
 
 pub fn reflection_probe<'a>(ui: &mut Ui, entities: &[&'a Entity], asks: &'a mut Asks) {
@@ -48,69 +49,66 @@ pub fn reflection_probe<'a>(ui: &mut Ui, entities: &[&'a Entity], asks: &'a mut 
     if of.is_empty() {
         return;
     }
-    let removed =
-        section(ui, Icon::ReflectionProbe, "Reflection probe", Some("Remove the reflection probe"), |ui| {
-            let size = "Of the box in which it is used, metres in its own space";
-            let metres = Number { least: 0.001, ..Number::metres() };
-            of.vector(
-                ui,
-                ("Size", size),
-                &metres,
-                |p| p.half_size.as_dvec3() * 2.0,
-                |p, axis, v| {
-                    p.half_size[axis] = (v * 0.5) as f32;
-                },
-            );
-            let get = |p: &ReflectionProbe| -> DVec3 { p.offset.as_dvec3() };
-            let middle = "Middle of the box, from the probe, metres in its own space";
-            of.vector(ui, ("Box offset", middle), &Number::metres(), get, |p, axis, v| {
-                p.offset[axis] = v as f32
-            });
-            let fade = Number { least: 0.0, ..Number::metres() };
-            let blend = "Beyond the box, over which it fades. Thicker than a wall, it reaches the next room";
-            of.number(
-                ui,
-                ("Fades over", blend),
-                &fade,
-                |p| p.blend_distance.into(),
-                |p, v| p.blend_distance = v as f32,
-            );
-            let follows = "Reflections follow the walls of the box instead of lying at infinity";
-            of.toggle(ui, ("Box projection", follows), |p| p.box_projection, |p, on| p.box_projection = on);
-            let whole = Number { speed: 0.1, decimals: 0, least: -1000.0, most: 1000.0, ..Number::default() };
-            let wins = "The higher one wins where boxes overlap";
-            of.number(
-                ui,
-                ("Importance", wins),
-                &whole,
-                |p| p.importance.into(),
-                |p, v| p.importance = v.round() as i32,
-            );
-            of.choice(
-                ui,
-                ("Resolution", "Pixels along a face of its cube"),
-                &RESOLUTIONS,
-                |p| p.resolution,
-                |p, v| p.resolution = v,
-            );
-            of.choice(
-                ui,
-                ("Taken", "When its picture is taken anew"),
-                &REFRESH,
-                |p| p.refresh,
-                |p, v| p.refresh = v,
-            );
-            of.choice(ui, ("Faces", "How many of the six at once"), &FACES, |p| p.faces, |p, v| p.faces = v);
-            let near = Number { least: 0.0001, ..Number::positive(Unit::Metres) };
-            of.number(
-                ui,
-                ("Near", "What is nearer is not seen, metres"),
-                &near,
-                |p| p.near.into(),
-                |p, v| p.near = v as f32,
-            );
-        });
-    if removed {
-        of.remove(Field::ReflectionProbe(None));
-    }
+    of = of.usually(ReflectionProbe::default());
+    let can = Can::all(of.can_paste(ui));
+    let wish = component(ui, Icon::ReflectionProbe, "Reflection probe", can, |ui| {
+        let size = "Of the box in which it is used, metres in its own space";
+        let metres = Number { least: 0.001, ..Number::metres() };
+        of.vector(
+            ui,
+            ("Size", size),
+            &metres,
+            |p| p.half_size.as_dvec3() * 2.0,
+            |p, axis, v| {
+                p.half_size[axis] = (v * 0.5) as f32;
+            },
+        );
+        let get = |p: &ReflectionProbe| -> DVec3 { p.offset.as_dvec3() };
+        let middle = "Middle of the box, from the probe, metres in its own space";
+        of.vector(ui, ("Box offset", middle), &Number::metres(), get, |p, axis, v| p.offset[axis] = v as f32);
+        let fade = Number { least: 0.0, ..Number::metres() };
+        let blend = "Beyond the box, over which it fades. Thicker than a wall, it reaches the next room";
+        of.number(
+            ui,
+            ("Fades over", blend),
+            &fade,
+            |p| p.blend_distance.into(),
+            |p, v| p.blend_distance = v as f32,
+        );
+        let follows = "Reflections follow the walls of the box instead of lying at infinity";
+        of.toggle(ui, ("Box projection", follows), |p| p.box_projection, |p, on| p.box_projection = on);
+        let whole = Number { speed: 0.1, decimals: 0, least: -1000.0, most: 1000.0, ..Number::default() };
+        let wins = "The higher one wins where boxes overlap";
+        of.number(
+            ui,
+            ("Importance", wins),
+            &whole,
+            |p| p.importance.into(),
+            |p, v| p.importance = v.round() as i32,
+        );
+        of.choice(
+            ui,
+            ("Resolution", "Pixels along a face of its cube"),
+            &RESOLUTIONS,
+            |p| p.resolution,
+            |p, v| p.resolution = v,
+        );
+        of.choice(
+            ui,
+            ("Taken", "When its picture is taken anew"),
+            &REFRESH,
+            |p| p.refresh,
+            |p, v| p.refresh = v,
+        );
+        of.choice(ui, ("Faces", "How many of the six at once"), &FACES, |p| p.faces, |p, v| p.faces = v);
+        let near = Number { least: 0.0001, ..Number::positive(Unit::Metres) };
+        of.number(
+            ui,
+            ("Near", "What is nearer is not seen, metres"),
+            &near,
+            |p| p.near.into(),
+            |p, v| p.near = v as f32,
+        );
+    });
+    of.fulfil(ui, wish, Field::ReflectionProbe(None));
 }

@@ -1,10 +1,13 @@
 //! One component of all that is selected: what they have in common, and edits that set it for all of them.
 
+use std::rc::Rc;
+
 use eframe::egui;
 use egui::{Checkbox, ComboBox, Ui};
 use engine::scene::{Entity, EntityId};
 use glam::DVec3;
 
+use super::component::{self, Wish};
 use super::fields::{self, Number, Touched};
 use crate::ask::Asks;
 use crate::edit::{Edit, Field};
@@ -15,10 +18,14 @@ type EditOf<K, C> = Box<dyn Fn(Vec<(K, C)>) -> Edit>;
 pub struct Subject<'a, K, C> {
     items: Vec<(K, &'a C)>,
     edit: EditOf<K, C>,
+    /// As a whole, where it is a component of entities.
+    field: Option<Rc<dyn Fn(C) -> Field>>,
+    /// What fields are reset to.
+    usual: Option<C>,
     asks: &'a mut Asks,
 }
 
-impl<'a, C: Clone> Subject<'a, EntityId, C> {
+impl<'a, C: Clone + 'static> Subject<'a, EntityId, C> {
     /// A component of those entities that have it.
     pub fn component(
         entities: &[&'a Entity],
@@ -27,16 +34,52 @@ impl<'a, C: Clone> Subject<'a, EntityId, C> {
         asks: &'a mut Asks,
     ) -> Self {
         let items = entities.iter().filter_map(|entity| Some((entity.id, get(entity)?))).collect();
+        let field: Rc<dyn Fn(C) -> Field> = Rc::new(field);
+        let whole = field.clone();
         let edit = move |items: Vec<(EntityId, C)>| {
             Edit::Set(items.into_iter().map(|(id, component)| (id, field(component))).collect())
         };
-        Self { items, edit: Box::new(edit), asks }
+        Self { items, edit: Box::new(edit), field: Some(whole), usual: None, asks }
     }
 
     /// All of them lose it; `none` is the field without it.
     pub fn remove(&mut self, none: Field) {
-        let fields = self.items.iter().map(|(id, _)| (*id, none.clone()));
-        self.asks.push(Intent::Commit(Edit::several("Remove component", [Edit::Set(fields.collect())])));
+        self.set_whole("Remove component", none);
+    }
+
+    fn set_whole(&mut self, name: &str, value: Field) {
+        let fields = self.items.iter().map(|(id, _)| (*id, value.clone()));
+        self.asks.push(Intent::Commit(Edit::several(name, [Edit::Set(fields.collect())])));
+    }
+
+    /// The first one, as a whole.
+    fn whole(&self) -> Option<Field> {
+        Some(self.field.as_ref()?(self.first()?.clone()))
+    }
+
+    /// Was one of its kind copied?
+    pub fn can_paste(&self, ui: &Ui) -> bool {
+        let kind = |field: &Field| std::mem::discriminant(field);
+        component::copied(ui).zip(self.whole()).is_some_and(|(copied, own)| kind(&copied) == kind(&own))
+    }
+
+    /// What was chosen from the component's menu. `none`: the field without it.
+    pub fn fulfil(&mut self, ui: &Ui, wish: Option<Wish>, none: Field) {
+        match wish {
+            Some(Wish::Copy) => component::copy(ui, self.whole()),
+            Some(Wish::Paste) => {
+                if let Some(copied) = component::copied(ui) {
+                    self.set_whole("Paste values", copied);
+                }
+            }
+            Some(Wish::Reset) => {
+                if let Some((field, usual)) = self.field.clone().zip(self.usual.clone()) {
+                    self.set_whole("Reset component", field(usual));
+                }
+            }
+            Some(Wish::Remove) => self.remove(none),
+            None => {}
+        }
     }
 }
 
@@ -46,7 +89,26 @@ impl<'a, K: Clone, C: Clone> Subject<'a, K, C> {
         edit: impl Fn(Vec<(K, C)>) -> Edit + 'static,
         asks: &'a mut Asks,
     ) -> Self {
-        Self { items, edit: Box::new(edit), asks }
+        Self { items, edit: Box::new(edit), field: None, usual: None, asks }
+    }
+
+    /// Fields are reset to this one's.
+    pub fn usually(mut self, usual: C) -> Self {
+        self.usual = Some(usual);
+        self
+    }
+
+    /// Before fields that only some have: what they are reset to.
+    pub fn usually_with(&mut self, change: impl FnOnce(&mut C)) {
+        if let Some(usual) = &mut self.usual {
+            change(usual);
+        }
+    }
+
+    /// What a field is reset to. `None`: all of them have that, or nothing is known.
+    pub fn reset_to<T: PartialEq>(&self, get: impl Fn(&C) -> T) -> Option<T> {
+        let usual = get(self.usual.as_ref()?);
+        self.items.iter().any(|(_, component)| get(component) != usual).then_some(usual)
     }
 
     pub fn is_empty(&self) -> bool {
@@ -92,10 +154,19 @@ impl<'a, K: Clone, C: Clone> Subject<'a, K, C> {
         get: impl Fn(&C) -> f64,
         set: impl Fn(&mut C, f64),
     ) {
-        let value = self.shared(get);
+        let (value, usual) = (self.shared(&get), self.reset_to(get));
         let width = |ui: &Ui| ui.available_width();
-        let touched = fields::row(ui, name, tooltip, |ui| number.show(ui, name, value, width(ui)).1);
-        self.set(&touched, set);
+        let (touched, is_reset) = fields::resettable(ui, name, tooltip, usual.is_some(), |ui| {
+            number.show(ui, name, value, width(ui)).1
+        });
+        self.set(&touched, &set);
+        self.reset(usual, is_reset, set);
+    }
+
+    pub fn reset<T: Clone>(&mut self, usual: Option<T>, is_reset: bool, set: impl Fn(&mut C, T)) {
+        if let Some(usual) = usual.filter(|_| is_reset) {
+            self.set_now(usual, set);
+        }
     }
 
     pub fn vector(
@@ -107,10 +178,16 @@ impl<'a, K: Clone, C: Clone> Subject<'a, K, C> {
         set: impl Fn(&mut C, usize, f64),
     ) {
         let values = [0, 1, 2].map(|axis| self.shared(|component| get(component)[axis]));
-        let touched = fields::row(ui, name, tooltip, |ui| fields::vector(ui, name, number, values));
+        let usual = self.reset_to(&get);
+        let (touched, is_reset) = fields::resettable(ui, name, tooltip, usual.is_some(), |ui| {
+            fields::vector(ui, name, number, values)
+        });
         for (axis, touched) in touched.iter().enumerate() {
             self.set(touched, |component, value| set(component, axis, value));
         }
+        self.reset(usual, is_reset, |component, usual| {
+            (0..3).for_each(|axis| set(component, axis, usual[axis]));
+        });
     }
 
     /// A tick with its name behind it.
@@ -137,16 +214,17 @@ impl<'a, K: Clone, C: Clone> Subject<'a, K, C> {
         get: impl Fn(&C) -> bool,
         set: impl Fn(&mut C, bool),
     ) {
-        let shared = self.shared(get);
+        let (shared, usual) = (self.shared(&get), self.reset_to(get));
         let mut on = shared.unwrap_or(false);
-        let changed = fields::row(ui, name, tooltip, |ui| {
+        let (changed, is_reset) = fields::resettable(ui, name, tooltip, usual.is_some(), |ui| {
             let response = ui.add(Checkbox::without_text(&mut on).indeterminate(shared.is_none()));
             response.ctx.accesskit_node_builder(response.id, |node| node.set_label(name));
             response.changed()
         });
         if changed {
-            self.set_now(on, set);
+            self.set_now(on, &set);
         }
+        self.reset(usual, is_reset, set);
     }
 
     /// One of a few, by name.
@@ -158,14 +236,15 @@ impl<'a, K: Clone, C: Clone> Subject<'a, K, C> {
         get: impl Fn(&C) -> T,
         set: impl Fn(&mut C, T),
     ) {
-        let shared = self.shared(get);
+        let (shared, usual) = (self.shared(&get), self.reset_to(get));
         let said =
             |value: &T| choices.iter().find(|(choice, _)| choice == value).map_or("", |(_, name)| name);
         let mut chosen = None;
-        fields::row(ui, name, tooltip, |ui| {
+        let (_, is_reset) = fields::resettable(ui, name, tooltip, usual.is_some(), |ui| {
             let shown = ComboBox::from_id_salt(name)
                 .selected_text(shared.as_ref().map_or("\u{2014}", said))
                 .width(ui.available_width())
+                .truncate()
                 .show_ui(ui, |ui| {
                     for (choice, name) in choices {
                         if ui.selectable_label(shared.as_ref() == Some(choice), *name).clicked() {
@@ -177,7 +256,8 @@ impl<'a, K: Clone, C: Clone> Subject<'a, K, C> {
             ui.ctx().accesskit_node_builder(id, |node| node.set_label(name));
         });
         if let Some(chosen) = chosen {
-            self.set_now(chosen, set);
+            self.set_now(chosen, &set);
         }
+        self.reset(usual, is_reset, set);
     }
 }

@@ -4,16 +4,19 @@ use eframe::egui::Ui;
 use engine::scene::{Entity, Transform};
 use glam::{DQuat, DVec3, EulerRot};
 
-use super::fields::{Number, section};
+use super::component::{Can, component};
+use super::fields::Number;
 use super::subject::Subject;
 use crate::ask::Asks;
 use crate::edit::Field;
 use crate::icons::Icon;
 
 pub fn show<'a>(ui: &mut Ui, entities: &[&'a Entity], asks: &'a mut Asks) {
-    let mut of =
-        Subject::component(entities, |e| Some(&e.transform), |t| Field::Transform(Box::new(t)), asks);
-    section(ui, Icon::Empty, "Transform", None, |ui| {
+    let field = |transform| Field::Transform(Box::new(transform));
+    let mut of = Subject::component(entities, |e| Some(&e.transform), field, asks);
+    of = of.usually(Transform::default());
+    let can = Can { remove: false, ..Can::all(of.can_paste(ui)) };
+    let wish = component(ui, Icon::Empty, "Transform", can, |ui| {
         of.vector(
             ui,
             ("Position", "Of its origin in its parent, metres. Try 2*3+0.5 or 30cm"),
@@ -36,6 +39,7 @@ pub fn show<'a>(ui: &mut Ui, entities: &[&'a Entity], asks: &'a mut Asks) {
             |t, axis, value| t.scale[axis] = value,
         );
     });
+    of.fulfil(ui, wish, field(Transform::default()));
 }
 
 /// Degrees about x, y and z: turned about Y first, then about the X and Z that come of it.

@@ -79,6 +79,8 @@ pub struct Hierarchy {
     /// Changes of what is collapsed.
     folds: usize,
     clicked: Option<EntityId>,
+    /// Has the keyboard as soon as its row is drawn.
+    focus: Option<EntityId>,
     /// Points that the list is scrolled by.
     scrolled: f32,
 }
@@ -134,6 +136,8 @@ impl Hierarchy {
             return;
         }
         let response = ui.interact(below, ui.scope_id().with("beside"), egui::Sense::click());
+        let name = "Room under the tree";
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, name));
         if response.clicked() {
             asks.push(Intent::Select(Vec::new()));
         }

@@ -3,11 +3,13 @@
 
 pub mod assets;
 pub mod console;
+pub mod files;
+pub mod folder;
 pub mod game;
 pub mod hierarchy;
 pub mod menu;
-pub mod open;
 pub mod palette;
+pub mod preferences;
 pub mod scene;
 pub mod statistics;
 pub mod status;

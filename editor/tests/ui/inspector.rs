@@ -4,8 +4,6 @@ use crate::window::{Window, open};
 use editor::edit::{Edit, Field};
 use editor::intents::Intent;
 use egui::Key;
-use egui::accesskit::Role;
-use egui_kittest::kittest::Queryable;
 use engine::scene::{EntityId, Material};
 use glam::{DVec3, Vec3};
 
@@ -29,24 +27,12 @@ fn three_cubes(window: &mut Window) -> Vec<EntityId> {
     ids
 }
 
-/// Into a number field, as a person does: click, type, Enter.
-fn enter(window: &mut Window, field: &str, text: &str) {
-    let node = window.harness.get_by_role_and_label(Role::SpinButton, field);
-    node.scroll_to_me();
-    window.settle();
-    window.harness.get_by_role_and_label(Role::SpinButton, field).click();
-    window.settle();
-    window.press(egui::Modifiers::COMMAND, Key::A);
-    window.harness.event(egui::Event::Text(text.to_owned()));
-    window.press(egui::Modifiers::NONE, Key::Enter);
-}
-
 #[test]
 fn three_objects_get_one_color_in_one_step() {
     let Some(mut window) = open() else { return };
     let ids = three_cubes(&mut window);
     let steps = window.editor().session.document.history().undo_names().count();
-    enter(&mut window, "Color green", "1/4");
+    window.enter("Color green", "1/4");
     let color = |window: &Window, id: EntityId| -> Vec3 {
         let document = &window.editor().session.document;
         let material = window.entity(id).mesh.as_ref().unwrap().materials[0];
@@ -65,12 +51,12 @@ fn a_number_field_takes_arithmetic_and_units_for_all_that_is_selected() {
     let Some(mut window) = open() else { return };
     let ids = three_cubes(&mut window);
     let first = window.entity(ids[0]).transform.translation;
-    enter(&mut window, "Position Y", "2*30cm + 1");
+    window.enter("Position Y", "2*30cm + 1");
     for id in &ids {
         let place: DVec3 = window.entity(*id).transform.translation;
         assert!((place.y - 1.6).abs() < 1e-9 && place.x == first.x, "{place}");
     }
-    enter(&mut window, "Position Y", "nonsense");
+    window.enter("Position Y", "nonsense");
     assert!((window.entity(ids[0]).transform.translation.y - 1.6).abs() < 1e-9);
 }
 

@@ -1,9 +1,16 @@
 //! The editor as a person uses it, in a window that nobody sees: mouse, keyboard, and what screen readers are told.
 
+mod access;
+mod components;
+mod files;
 mod inspector;
+mod keyboard;
 mod light;
+mod main_path;
 mod objects;
 mod panels;
+mod preferences;
 mod probes;
+mod recovery;
 mod scene;
 mod window;

@@ -74,10 +74,10 @@ fn probes_are_chosen_by_a_rectangle_copied_moved_by_the_arrow_and_deleted() {
     let high = all.iter().copied().reduce(|a, b| a.max(b)).unwrap() + vec2(16.0, 16.0);
     window.drag(low, high);
     assert_eq!(chosen(&window).len(), 8);
-    window.click_at(all[0]);
+    window.click_at(all[0], Modifiers::NONE);
     assert_eq!(chosen(&window).len(), 8, "a click on one of them could begin to drag all");
     window.press(Modifiers::NONE, Key::Escape);
-    window.click_at(all[5]);
+    window.click_at(all[5], Modifiers::NONE);
     assert_eq!(chosen(&window), [5]);
 
     window.press(Modifiers::COMMAND, Key::D);
@@ -100,8 +100,8 @@ fn a_click_sets_a_probe_before_the_surface_under_it() {
     window.press(Modifiers::NONE, Key::Home);
     window.press(Modifiers::NONE, Key::Num7);
     window.click("Add");
-    let (at, before) = (window.scene_view().center() + vec2(31.0, 40.0), places(&window, id).len());
-    window.click_at(at);
+    let (at, before) = (window.seen_at(DVec3::new(0.05, 0.0, 0.05)), places(&window, id).len());
+    window.click_at(at, Modifiers::NONE);
     assert_eq!((places(&window, id).len(), chosen(&window)), (before + 1, vec![before]));
     let new = places(&window, id)[before];
     assert!(window.seen_at(new).distance(at) < 12.0, "above what was clicked, seen from above");

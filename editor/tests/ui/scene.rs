@@ -148,7 +148,7 @@ fn keys_choose_what_of_the_light_the_picture_shows() {
 #[test]
 fn edges_of_all_meshes_lie_over_the_picture_while_they_are_asked_for() {
     let Some(mut window) = open() else { return };
-    window.wait_until("settled", |window| window.editor().scene.picture.is_settled());
+    window.until("settled", |window| window.editor().scene.picture.is_settled());
     let draws = |window: &Window| window.editor().scene.picture.drawn.draws;
     let without = draws(&window);
     window.press(Modifiers::ALT, Key::W);

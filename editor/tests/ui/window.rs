@@ -1,6 +1,7 @@
 //! The editor in a window that nobody sees: driven by mouse and keyboard, found by what screen readers are told.
 
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use editor::app::{Editor, wgpu_setup};
 use editor::gizmo::Stand;
@@ -9,17 +10,20 @@ use editor::lens::Lens;
 use editor::opened::Opened;
 use editor::theme;
 use eframe::egui_wgpu::{RenderState, RendererOptions, WgpuConfiguration, WgpuSetupCreateNew};
+use egui::accesskit::Role;
 use egui::{Key, Modifiers, Pos2, Rect, Vec2};
 use egui_kittest::kittest::Queryable;
 use egui_kittest::wgpu::WgpuTestRenderer;
 use egui_kittest::{Harness, Node};
 use engine::render::Eye;
+use engine::scene::file::text_of_scene;
 use engine::scene::{Entity, EntityId};
 use glam::{DQuat, DVec3};
 
 pub struct Window {
     pub harness: Harness<'static, Editor>,
-    _folder: tempfile::TempDir,
+    /// Where its project lies, unless that is another's.
+    _folder: Option<tempfile::TempDir>,
 }
 
 /// The Cornell box, not baked. `None`, with a line, where there is no GPU.
@@ -30,15 +34,25 @@ pub fn open() -> Option<Window> {
 pub fn open_sized(size: Vec2) -> Option<Window> {
     let folder = tempfile::tempdir().unwrap();
     let project = cornell(folder.path());
+    let mut window = open_project(&project, None, size)?;
+    window._folder = Some(folder);
+    Some(window)
+}
+
+/// `home`: where preferences are kept; `None`: nowhere.
+pub fn open_project(project: &Path, home: Option<&Path>, size: Vec2) -> Option<Window> {
     let state = gpu()?;
-    let opened = Opened::load(&project, None).unwrap();
-    let editor = Editor::new(&egui::Context::default(), &state, opened, None).unwrap();
+    let opened = Opened::load(project, None).unwrap();
+    let home = home.map(Path::to_owned);
+    let editor = Editor::new(&egui::Context::default(), &state, opened, home).unwrap();
     let harness = Harness::builder()
         .with_size(size)
+        // Half as fine: software draws these pictures, too.
+        .with_pixels_per_point(0.5)
         .with_context_setup(theme::install)
         .renderer(WgpuTestRenderer::from_render_state(state))
         .build_ui_state(|ui, editor: &mut Editor| editor.ui(ui), editor);
-    let mut window = Window { harness, _folder: folder };
+    let mut window = Window { harness, _folder: None };
     window.settle();
     Some(window)
 }
@@ -55,7 +69,7 @@ fn gpu() -> Option<RenderState> {
     state
 }
 
-fn cornell(folder: &Path) -> PathBuf {
+pub fn cornell(folder: &Path) -> PathBuf {
     let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("../projects/cornell");
     let project = folder.join("cornell");
     for file in ["project.ron", "scenes/cornell.ron", "assets/cornell.obj", "assets/cornell.mtl"] {
@@ -70,6 +84,58 @@ impl Window {
     /// A few pictures go by: what was asked for is done and seen.
     pub fn settle(&mut self) {
         self.harness.run_steps(4);
+    }
+
+    /// Pictures go by until it is so: a thread beside has work to do.
+    pub fn until(&mut self, what: &str, is_so: impl Fn(&Self) -> bool) {
+        let since = Instant::now();
+        while !is_so(self) {
+            assert!(since.elapsed() < Duration::from_secs(400), "never came about: {what}");
+            self.settle();
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    pub fn is_shown(&self, name: &str) -> bool {
+        self.harness.query_all_by_label(name).next().is_some()
+    }
+
+    pub fn type_text(&mut self, text: &str) {
+        self.harness.event(egui::Event::Text(text.to_owned()));
+        self.settle();
+    }
+
+    /// As its file would be.
+    pub fn scene_text(&self) -> String {
+        text_of_scene(Path::new("scene"), self.editor().session.document.scene()).unwrap()
+    }
+
+    /// The row of the tree.
+    pub fn row(&self, name: &str) -> Rect {
+        self.harness.get_by_role_and_label(Role::TreeItem, name).rect()
+    }
+
+    pub fn click_at(&mut self, at: Pos2, modifiers: Modifiers) {
+        self.harness.hover_at(at);
+        self.harness.step();
+        for pressed in [true, false] {
+            let button = egui::PointerButton::Primary;
+            let event = egui::Event::PointerButton { pos: at, button, pressed, modifiers };
+            self.harness.event_modifiers(event, modifiers);
+            self.harness.step();
+        }
+        self.settle();
+    }
+
+    /// Into a number field, as a person does: click, type, Enter.
+    pub fn enter(&mut self, field: &str, text: &str) {
+        self.harness.get_by_role_and_label(Role::SpinButton, field).scroll_to_me();
+        self.settle();
+        self.harness.get_by_role_and_label(Role::SpinButton, field).click();
+        self.settle();
+        self.press(Modifiers::COMMAND, Key::A);
+        self.harness.event(egui::Event::Text(text.to_owned()));
+        self.press(Modifiers::NONE, Key::Enter);
     }
 
     pub fn editor(&self) -> &Editor {
@@ -139,18 +205,6 @@ impl Window {
         Stand { origin, axes: DQuat::IDENTITY }
     }
 
-    /// Pictures go by until something is so, as long as somebody would wait for it.
-    pub fn wait_until(&mut self, what: &str, is_so: impl Fn(&Self) -> bool) {
-        for _ in 0..6000 {
-            if is_so(self) {
-                return;
-            }
-            self.harness.step();
-            std::thread::sleep(std::time::Duration::from_millis(10));
-        }
-        panic!("never: {what}");
-    }
-
     /// How many steps undo knows.
     pub fn steps(&self) -> usize {
         self.editor().session.document.history().undo_names().count()
@@ -170,16 +224,6 @@ impl Window {
 
     pub fn release(&mut self, at: Pos2) {
         self.harness.drop_at(at);
-        self.settle();
-    }
-
-    pub fn click_at(&mut self, at: Pos2) {
-        self.hold(at, &[]);
-        self.release(at);
-    }
-
-    pub fn type_text(&mut self, text: &str) {
-        self.harness.event(egui::Event::Text(text.to_owned()));
         self.settle();
     }
 

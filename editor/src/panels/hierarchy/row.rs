@@ -1,7 +1,9 @@
 //! One row: fold, icon, name, and whether it is shown.
 
 use eframe::egui;
-use egui::{Align2, FontId, Key, Rect, Response, Role, Sense, Stroke, Ui, Vec2, WidgetInfo, pos2, vec2};
+use egui::{
+    Align2, EventFilter, FontId, Key, Rect, Response, Role, Sense, Stroke, Ui, Vec2, WidgetInfo, pos2, vec2,
+};
 use engine::scene::Entity;
 
 use super::super::menu;
@@ -9,6 +11,7 @@ use super::{Dragged, Hierarchy, Row, Tree, icon, small_icon};
 use crate::ask::{Ask, Asks};
 use crate::icons::Icon;
 use crate::intents::Intent;
+use crate::selection::Click;
 use crate::theme;
 
 const INDENT: f32 = 14.0;
@@ -39,12 +42,23 @@ impl Hierarchy {
             let font = FontId::proportional(13.0);
             painter.text(pos2(text.left(), text.center().y), Align2::LEFT_CENTER, &entity.name, font, color);
         }
+        if document.is_locked(entity.id) {
+            let lock = Rect::from_center_size(pos2(rect.right() - 32.0, rect.center().y), Vec2::splat(18.0));
+            unlock_button(ui, lock, entity, asks);
+        }
         if response.hovered() || entity.hidden {
             let eye = Rect::from_center_size(pos2(rect.right() - 14.0, rect.center().y), Vec2::splat(18.0));
             eye_button(ui, eye, entity, asks);
         }
         if response.clicked() {
             self.click(ui, entity.id, asks);
+        }
+        if response.clicked() || self.focus == Some(entity.id) {
+            self.focus = None;
+            response.request_focus();
+        }
+        if response.has_focus() && self.renaming.is_none() {
+            self.keyboard(ui, row, &response, tree, asks);
         }
         if response.double_clicked() {
             asks.push(Ask::Frame(vec![entity.id]));
@@ -54,6 +68,36 @@ impl Hierarchy {
         }
         self.drag(ui, rect, &response, entity, tree, asks);
         response.context_menu(|ui| menu::context(ui, &tree.state, tree.bindings, asks));
+    }
+
+    /// Arrows go through the rows, fold and unfold.
+    fn keyboard(&mut self, ui: &Ui, row: Row, response: &Response, tree: &Tree<'_>, asks: &mut Asks) {
+        let arrows = EventFilter { horizontal_arrows: true, vertical_arrows: true, ..EventFilter::default() };
+        ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
+        let (pressed, shift) = ui.input(|input| {
+            let keys = [Key::ArrowUp, Key::ArrowDown, Key::ArrowLeft, Key::ArrowRight];
+            (keys.into_iter().find(|key| input.key_pressed(*key)), input.modifiers.shift)
+        });
+        let Some(key) = pressed else { return };
+        let is_open = row.has_children && !self.collapsed.contains(&row.id);
+        let at = self.rows.iter().position(|other| other.id == row.id).unwrap_or(0);
+        let to = match key {
+            Key::ArrowUp => at.checked_sub(1),
+            Key::ArrowDown => Some(at + 1),
+            Key::ArrowLeft if is_open => return self.fold(row.id),
+            Key::ArrowLeft => {
+                let parent = tree.document.entity(row.id).and_then(|entity| entity.parent);
+                self.rows.iter().position(|other| Some(other.id) == parent)
+            }
+            _ if is_open => Some(at + 1),
+            _ if row.has_children => return self.fold(row.id),
+            _ => None,
+        };
+        let Some(id) = to.and_then(|to| self.rows.get(to)).map(|row| row.id) else { return };
+        self.focus = Some(id);
+        self.reveal = Some(id);
+        let how = if shift { Click::Range } else { Click::Replace };
+        asks.push(Intent::Click { id, how, shown: self.shown() });
     }
 
     /// What is dragged is dropped before a row at its upper edge, behind it at its lower edge, and into it between.
@@ -145,6 +189,18 @@ fn color(ui: &Ui, selected: bool, hidden: bool) -> egui::Color32 {
         (true, _) => visuals.selection.stroke.color,
         (_, true) => theme::weak(visuals).gamma_multiply(0.6),
         _ => visuals.text_color(),
+    }
+}
+
+/// Only what is locked has one: clicks in the scene view go through it.
+fn unlock_button(ui: &Ui, rect: Rect, entity: &Entity, asks: &mut Asks) {
+    let response = ui.interact(rect, ui.scope_id().with(("lock", entity.id.0)), Sense::click());
+    let name = format!("Unlock {}", entity.name);
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
+    let color = if response.hovered() { ui.visuals().strong_text_color() } else { theme::weak(ui.visuals()) };
+    small_icon(ui, rect, Icon::Lock, color);
+    if response.on_hover_text(name).clicked() {
+        asks.push(Intent::Lock { ids: vec![entity.id], locked: false });
     }
 }
 

@@ -1,0 +1,201 @@
+//! What a picture of the editor costs besides the 3D view: all panels laid out and painted into triangles, in a scene of
+//! 5,000 entities, while a person rests, points, scrolls, selects, searches, types and pulls at a number.
+//!
+//! `cargo bench -p editor --bench panels`, `-- COUNT` for other than 5000 entities. What the renderer takes for the scene
+//! view's own picture is left out: it is drawn again only where something in it changed. Needs a GPU.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use editor::app::{Editor, wgpu_setup};
+use editor::document::Document;
+use editor::intents::Intent;
+use editor::opened::Opened;
+use editor::primitives;
+use eframe::egui_wgpu::{RenderState, RendererOptions, WgpuConfiguration, WgpuSetupCreateNew};
+use eframe::{egui, wgpu};
+use egui::{Event, Key, Modifiers, Pos2, Rect, Vec2, pos2, vec2};
+use engine::scene::{Entity, EntityId, Light, Scene, Transform};
+use glam::DVec3;
+
+const SIZE: Vec2 = vec2(1920.0, 1080.0);
+const PICTURES: usize = 120;
+
+fn main() {
+    let many = std::env::args().skip(1).find_map(|argument| argument.parse().ok()).unwrap_or(5000);
+    let folder = tempfile::tempdir().expect("a folder for the project");
+    let project = folder.path().join("many");
+    drop(Document::new_project(&project, "main", crowd(many)).expect("a project can be written"));
+    let Some(mut desk) = Desk::open(&project) else { return println!("not run: no GPU adapter") };
+    let is_optimised = !cfg!(debug_assertions);
+    println!("{many} entities, {} x {} points, optimised: {is_optimised}", SIZE.x, SIZE.y);
+    println!("{:<28} {:>9} {:>9} {:>9} {:>9}", "", "median ms", "p99 ms", "most ms", "3D ms");
+    (0..20).for_each(|_| drop(desk.picture(Vec::new())));
+    for (what, step) in STEPS {
+        desk.measure(what, step);
+    }
+    let Some(held) = desk.undo_bytes() else { return };
+    println!("undo holds {held} bytes after all of that");
+}
+
+/// Groups of ten: a quarter of them lights, most of the others shapes.
+fn crowd(many: u64) -> Scene {
+    let mut scene = primitives::first_scene();
+    let shape = scene.entities[1].clone();
+    for n in 0..many.saturating_sub(4) {
+        let id = EntityId(100 + n);
+        let place = DVec3::new((n % 70) as f64, 0.5, (n / 70) as f64);
+        let base = Entity { id, name: format!("stone {n}"), ..Entity::default() };
+        scene.entities.push(match n % 10 {
+            0 => Entity { transform: Transform::at(place), ..base },
+            1 | 2 => {
+                Entity { light: Some(Light::default()), parent: Some(EntityId(100 + n - n % 10)), ..base }
+            }
+            _ => Entity {
+                transform: Transform::at(DVec3::X * 0.1),
+                parent: Some(EntityId(100 + n - n % 10)),
+                mesh: shape.mesh.clone(),
+                ..base
+            },
+        });
+    }
+    scene
+}
+
+/// What happens before the n-th picture.
+type Step = fn(&mut Desk, usize) -> Vec<Event>;
+
+const STEPS: [(&str, Step); 8] = [
+    ("at rest", |_, _| Vec::new()),
+    ("pointing at the tree", |_, n| vec![Event::PointerMoved(pos2(120.0, 150.0 + 5.0 * n as f32))]),
+    ("scrolling the tree", |_, n| wheel(if n < PICTURES / 2 { -400.0 } else { 400.0 })),
+    ("selecting one by one", |desk, n| desk.select(n)),
+    ("all selected", |desk, n| desk.select_all(n)),
+    ("searching the tree", |desk, n| desk.search(n)),
+    ("pulling at a number", |desk, n| desk.pull(n)),
+    ("undoing and redoing", |_, n| keys(if n % 2 == 0 { Key::Z } else { Key::Y })),
+];
+
+fn wheel(points: f32) -> Vec<Event> {
+    let (unit, phase, source) =
+        (egui::MouseWheelUnit::Point, egui::TouchPhase::Move, egui::MouseWheelSource::Wheel);
+    vec![
+        Event::PointerMoved(pos2(120.0, 300.0)),
+        Event::MouseWheel { unit, delta: vec2(0.0, points), modifiers: Modifiers::NONE, phase, source },
+    ]
+}
+
+fn keys(key: Key) -> Vec<Event> {
+    let event = |pressed| Event::Key {
+        key,
+        physical_key: None,
+        pressed,
+        repeat: false,
+        modifiers: Modifiers::COMMAND,
+    };
+    vec![event(true), event(false)]
+}
+
+/// An editor without a window.
+struct Desk {
+    ctx: egui::Context,
+    editor: Editor,
+    state: RenderState,
+    time: f64,
+}
+
+/// What a picture took.
+struct Took {
+    panels: Duration,
+    view: Duration,
+}
+
+impl Desk {
+    fn open(project: &Path) -> Option<Self> {
+        let wgpu_setup = wgpu_setup(WgpuSetupCreateNew::without_display_handle());
+        let instance = pollster::block_on(wgpu_setup.new_instance());
+        let config = WgpuConfiguration { wgpu_setup, ..Default::default() };
+        let state = RenderState::create(&config, &instance, None, RendererOptions::PREDICTABLE);
+        let state = pollster::block_on(state).ok()?;
+        let ctx = egui::Context::default();
+        let opened = Opened::load(project, None).expect("it was just written");
+        let editor = Editor::new(&ctx, &state, opened, None).expect("the GPU draws");
+        Some(Self { ctx, editor, state, time: 0.0 })
+    }
+
+    fn picture(&mut self, events: Vec<Event>) -> Took {
+        self.time += 1.0 / 60.0;
+        let input = egui::RawInput {
+            screen_rect: Some(Rect::from_min_size(Pos2::ZERO, SIZE)),
+            time: Some(self.time),
+            events,
+            ..Default::default()
+        };
+        let drawn_before = self.editor.scene.picture.count;
+        let since = Instant::now();
+        let output = self.ctx.run_ui(input, |ui| self.editor.ui(ui));
+        let triangles = self.ctx.tessellate(output.shapes, output.pixels_per_point);
+        let all = since.elapsed();
+        std::hint::black_box(&triangles);
+        // What a picture of the scene costs is the renderer's, and is told apart.
+        let is_drawn = self.editor.scene.picture.count != drawn_before;
+        let view = if is_drawn { self.editor.scene.picture.took } else { Duration::ZERO };
+        let _ = self.state.device.poll(wgpu::PollType::wait_indefinitely());
+        Took { panels: all.saturating_sub(view), view }
+    }
+
+    fn measure(&mut self, what: &str, step: Step) {
+        let mut took: Vec<Took> = Vec::new();
+        for n in 0..PICTURES {
+            let events = step(self, n);
+            took.push(self.picture(events));
+        }
+        let view = took.iter().map(|took| took.view).max().unwrap_or_default();
+        let mut panels: Vec<Duration> = took.into_iter().map(|took| took.panels).collect();
+        panels.sort();
+        let ms = |share: f64| panels[((PICTURES - 1) as f64 * share) as usize].as_secs_f64() * 1e3;
+        println!(
+            "{what:<28} {:>9.2} {:>9.2} {:>9.2} {:>9.2}",
+            ms(0.5),
+            ms(0.99),
+            ms(1.0),
+            view.as_secs_f64() * 1e3
+        );
+        self.editor.session.carry_out([Intent::End, Intent::Select(Vec::new())]);
+        (0..4).for_each(|_| drop(self.picture(Vec::new())));
+    }
+
+    fn select(&mut self, n: usize) -> Vec<Event> {
+        self.editor.session.carry_out([Intent::Select(vec![EntityId(100 + 10 * n as u64 + 3)])]);
+        Vec::new()
+    }
+
+    fn select_all(&mut self, n: usize) -> Vec<Event> {
+        if n == 0 {
+            self.editor.session.carry_out([Intent::SelectAll]);
+        }
+        Vec::new()
+    }
+
+    fn search(&mut self, n: usize) -> Vec<Event> {
+        match n {
+            0 => keys(Key::F),
+            _ if n % 10 == 9 => keys(Key::A),
+            _ => vec![Event::Text(["s", "t", "o", "n", "e", " "][n % 10 % 6].to_owned())],
+        }
+    }
+
+    /// As the inspector does while a number is pulled: a preview a picture.
+    fn pull(&mut self, n: usize) -> Vec<Event> {
+        let id = EntityId(103);
+        let place = Transform::at(DVec3::X * 0.01 * n as f64);
+        let edit = editor::edit::Edit::set(id, editor::edit::Field::Transform(Box::new(place)));
+        self.editor.session.carry_out([Intent::Select(vec![id]), Intent::Preview(edit)]);
+        Vec::new()
+    }
+
+    fn undo_bytes(&self) -> Option<usize> {
+        let history = self.editor.session.document.history();
+        history.validate().ok().map(|()| history.bytes())
+    }
+}
