@@ -141,6 +141,7 @@ impl Editor {
 
     /// What shows and shapes the light's parts. A tool that is in the hand already is laid down.
     fn light_tool(&mut self, command: Command) {
+        self.scene.hide_gizmos = false;
         let scenery = Scenery::of(&self.session.document, &self.assets, &self.placed, self.play.as_ref());
         let tool = &mut self.scene.handling.tool;
         let toggled = |now: Tool, wanted: Tool| if now == wanted { Tool::Move } else { wanted };

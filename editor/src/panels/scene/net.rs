@@ -164,7 +164,7 @@ impl Net {
             _ if self.web().cells.is_empty() => {
                 "No tetrahedra: four probes that span space make one".to_owned()
             }
-            Some(slice) => format!("{} sides of sections", slice.sides.len()),
+            Some(slice) => format!("cuts {} tetrahedra", slice.sections),
             None => String::new(),
         };
         let plane = self.plane.as_mut()?;
