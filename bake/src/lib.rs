@@ -17,6 +17,7 @@ mod layout;
 mod overlap;
 mod patch;
 mod pipeline;
+mod preview;
 mod probe;
 mod query;
 mod rays;
@@ -54,6 +55,7 @@ use glam::{DVec3, Vec3};
 
 use crate::pipeline::Caches;
 use crate::surface::Surface;
+pub use preview::divide;
 
 /// What the command line says; where it says nothing, the project's settings hold.
 #[derive(Clone, Debug, Default)]

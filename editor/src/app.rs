@@ -51,7 +51,7 @@ pub struct Editor {
     pub(crate) assets: Arc<Assets>,
     pub(crate) baking: Baking,
     baked: AsBaked,
-    placed: Placed,
+    pub(crate) placed: Placed,
     pub(crate) play: Option<Play>,
     state: RenderState,
     stage: Stage,
@@ -175,7 +175,8 @@ impl Editor {
         }
     }
 
-    pub(crate) fn scenery(&self) -> Scenery<'_> {
+    /// As it is shown now.
+    pub fn scenery(&self) -> Scenery<'_> {
         Scenery::of(&self.session.document, &self.assets, &self.placed, self.play.as_ref())
     }
 
@@ -188,7 +189,7 @@ impl Editor {
             play.advance(&self.assets);
             ui.ctx().request_repaint();
         }
-        if !self.is_asking() && !self.files.has_dialog() {
+        if !self.is_asking() && !self.files.has_dialog() && !self.scene.is_pulling() {
             keys::pressed(ui, &self.bindings).into_iter().for_each(|command| self.asks.push(command));
         }
         self.bars(ui);
@@ -236,7 +237,7 @@ impl Editor {
         match pane {
             Pane::Scene => {
                 let Session { document, selection, .. } = &self.session;
-                let seen = Seen { document, scenery, selection };
+                let seen = Seen { document, assets: &self.assets, scenery, selection };
                 return self.scene.show(ui, &mut self.stage, &seen, &mut self.asks);
             }
             Pane::Game => return self.game.show(ui, &mut self.stage, &scenery),
@@ -334,6 +335,11 @@ impl Editor {
     /// What the scene refers to, as far as it is in memory.
     pub fn assets(&self) -> &Assets {
         &self.assets
+    }
+
+    /// The engine as it draws here.
+    pub fn stage(&self) -> &Stage {
+        &self.stage
     }
 
     pub fn bindings(&self) -> &Bindings {

@@ -6,13 +6,14 @@
 //! angle there.
 
 mod paint;
+pub mod typed;
 
 use eframe::egui;
 use egui::Pos2;
 use glam::{DQuat, DVec3};
 
 use crate::lens::{Lens, Ray};
-pub use paint::{paint, under};
+pub use paint::{paint, to_segment, under};
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tool {
@@ -22,6 +23,17 @@ pub enum Tool {
     Move,
     Rotate,
     Scale,
+    /// Paints how finely surfaces are divided.
+    Density,
+    /// Chooses and moves light probes of a group.
+    Probes,
+}
+
+impl Tool {
+    /// Clicks belong to it, not to selecting.
+    pub fn is_light(self) -> bool {
+        matches!(self, Self::Density | Self::Probes)
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,7 +101,7 @@ impl Steps {
 
 pub fn handles(tool: Tool) -> &'static [Handle] {
     match tool {
-        Tool::View => &[],
+        Tool::View | Tool::Density | Tool::Probes => &[],
         Tool::Move => &[
             Handle::MoveScreen,
             Handle::MoveAxis(0),

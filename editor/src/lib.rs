@@ -19,6 +19,7 @@ pub mod icons;
 pub mod importing;
 pub mod inspector;
 pub mod intents;
+pub mod job;
 pub mod keys;
 pub mod layout;
 pub mod lens;

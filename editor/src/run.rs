@@ -2,36 +2,23 @@
 
 use eframe::egui;
 use egui::{Ui, ViewportCommand};
-use engine::render::View;
+use engine::render::{Eye, View};
 use engine::scene::{Entity, EntityId};
 use glam::DVec3;
 
 use crate::app::Editor;
 use crate::assets::Wish;
+use crate::camera::ViewCamera;
 use crate::command::{Command, State};
 use crate::gizmo::Tool;
 use crate::intents::{Intent, Session};
 use crate::layout::{self, Pane};
 use crate::panels::preferences::Tab;
+use crate::panels::scene::probing;
 use crate::primitives::Primitive;
 use crate::recent::Theme;
+use crate::scenery::Scenery;
 use crate::tools;
-
-/// Commands of the table that this editor has no part for yet: no menu shows them, no key gives them.
-const NOT_YET: [Command; 8] = [
-    Command::ToggleVertexSnapping,
-    Command::ViewCamera,
-    Command::ToggleGizmos,
-    Command::ToggleWireframe,
-    Command::DensityBrush,
-    Command::EditLightProbes,
-    Command::ShowTetrahedra,
-    Command::ShowProbeSlice,
-];
-
-pub fn is_known(command: Command) -> bool {
-    !NOT_YET.contains(&command)
-}
 
 fn primitive(command: Command) -> Option<Primitive> {
     Some(match command {
@@ -96,10 +83,11 @@ impl Editor {
     }
 
     pub fn run(&mut self, command: Command, ui: &Ui) {
-        if !is_known(command) || !command.is_enabled(&self.state()) {
+        if !command.is_enabled(&self.state()) {
             return;
         }
-        if let Some(intent) = self.intent(command) {
+        let of_tool = self.scene.intent(command, &self.session.document, self.session.selection.active());
+        if let Some(intent) = of_tool.or_else(|| self.intent(command)) {
             return self.carry_out(intent, ui);
         }
         if let Some(view) = view(command) {
@@ -138,6 +126,13 @@ impl Editor {
             | Command::RenameAsset
             | Command::RelinkMissing
             | Command::SearchAssets => self.run_files(command, ui),
+            Command::DensityBrush
+            | Command::EditLightProbes
+            | Command::ShowTetrahedra
+            | Command::ShowProbeSlice => {
+                layout::reveal(&mut self.layout, Pane::Scene);
+                self.light_tool(command);
+            }
             _ => self.look(command),
         }
     }
@@ -155,6 +150,28 @@ impl Editor {
             Command::RenameAsset => self.files.rename_selected(),
             Command::RelinkMissing => self.files.relink_missing(),
             _ => self.files.focus_search(ui),
+        }
+    }
+
+    /// What shows and shapes the light's parts. A tool that is in the hand already is laid down.
+    fn light_tool(&mut self, command: Command) {
+        self.scene.hide_gizmos = false;
+        let scenery = Scenery::of(&self.session.document, &self.assets, &self.placed, self.play.as_ref());
+        let tool = &mut self.scene.handling.tool;
+        let toggled = |now: Tool, wanted: Tool| if now == wanted { Tool::Move } else { wanted };
+        match command {
+            Command::DensityBrush => *tool = toggled(*tool, Tool::Density),
+            Command::EditLightProbes => {
+                *tool = toggled(*tool, Tool::Probes);
+                let Session { document, selection, .. } = &mut self.session;
+                let group = probing::group_of(document, selection.active(), None);
+                if let Some(group) = group.filter(|_| *tool == Tool::Probes) {
+                    selection.set([group]);
+                }
+            }
+            Command::ShowTetrahedra => self.scene.net.tetrahedra ^= true,
+            Command::ShowProbeSlice => self.scene.net.toggle_slice(&scenery),
+            _ => {}
         }
     }
 
@@ -249,10 +266,29 @@ impl Editor {
             Command::ViewTop => camera.look_along(DVec3::NEG_Y),
             Command::ToggleOrthographic => camera.orthographic ^= true,
             Command::ToggleGrid => self.scene.hide_grid ^= true,
+            Command::ToggleVertexSnapping => handling.vertex ^= true,
+            Command::ToggleWireframe => self.scene.wireframe ^= true,
+            Command::ToggleGizmos => self.scene.hide_gizmos ^= true,
+            Command::ViewCamera => self.look_through_camera(),
             Command::Frame if self.session.selection.is_empty() => self.frame_all(),
             Command::Frame => self.frame_selected(),
             Command::FrameAll => self.frame_all(),
             _ => {}
+        }
+    }
+
+    /// From where the selected camera is, else the scene's.
+    fn look_through_camera(&mut self) {
+        let active = self.session.selection.active();
+        let scenery = self.scenery();
+        let selected = scenery.placed().find(|(entity, _)| Some(entity.id) == active);
+        let own = selected.and_then(|(entity, world)| Some(Eye::of_camera(entity.camera.as_ref()?, world)));
+        if let Some(eye) = own.or(scenery.camera()) {
+            let camera = &mut self.scene.camera;
+            let about = eye.position + eye.rotation * DVec3::NEG_Z * camera.distance;
+            let speed = camera.speed;
+            *camera = ViewCamera::as_eye(&eye, about);
+            camera.speed = speed;
         }
     }
 

@@ -8,7 +8,7 @@ use engine::render::{Eye, Now, View};
 use engine::scene::assets::Assets;
 use engine::scene::{Entity, EntityId, Mesh, Scene};
 use engine::transport::{Batch, Transport};
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec3, Vec3};
 
 use crate::document::Document;
 use crate::play::Play;
@@ -132,20 +132,33 @@ impl<'a> Scenery<'a> {
         Eye::of_scene(self.scene, self.world_from_local)
     }
 
-    /// The box about all that is chosen, in the world; half a metre about what has no surface.
+    /// The box about all that is chosen, in the world: about surfaces, light probes and boxes of reflection probes; half a
+    /// metre about what has none of them.
     pub fn extent(&self, chosen: impl Fn(&Entity) -> bool) -> Option<(DVec3, DVec3)> {
         let mut both: Option<(DVec3, DVec3)> = None;
         for (entity, world) in self.placed().filter(|(entity, _)| chosen(entity)) {
-            let mesh = entity.mesh.as_ref().and_then(|renderer| self.assets.meshes.get(&renderer.mesh));
-            let corners: Vec<DVec3> = match mesh {
-                Some(mesh) => mesh.positions.iter().map(|at| world.transform_point3(at.as_dvec3())).collect(),
-                None => [-0.5, 0.5].map(|off| world.translation + DVec3::splat(off)).to_vec(),
-            };
-            for point in corners {
+            for point in self.points(entity, world) {
                 let (low, high) = both.unwrap_or((point, point));
                 both = Some((low.min(point), high.max(point)));
             }
         }
         both
+    }
+
+    fn points(&self, entity: &Entity, world: &DAffine3) -> Vec<DVec3> {
+        let place = |at: &Vec3| world.transform_point3(at.as_dvec3());
+        let mesh = entity.mesh.as_ref().and_then(|renderer| self.assets.meshes.get(&renderer.mesh));
+        if let Some(mesh) = mesh {
+            return mesh.positions.iter().map(place).collect();
+        }
+        if let Some(group) = entity.light_probes.as_ref().filter(|group| !group.positions.is_empty()) {
+            return group.positions.iter().map(place).collect();
+        }
+        if let Some(probe) = &entity.reflection_probe {
+            let corner =
+                |n: u32| Vec3::from([0, 1, 2].map(|axis| if n >> axis & 1 == 0 { -1.0 } else { 1.0 }));
+            return (0..8).map(|n| place(&(probe.offset + probe.half_size * corner(n)))).collect();
+        }
+        [-0.5, 0.5].map(|off| world.translation + DVec3::splat(off)).to_vec()
     }
 }

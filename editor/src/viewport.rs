@@ -12,11 +12,15 @@ use eframe::egui_wgpu::RenderState;
 use eframe::{egui, wgpu};
 use egui::{TextureId, Vec2};
 use engine::gpu::{Gpu, texture};
+use engine::play::world::placed_at;
 use engine::render::outline::Marks;
 use engine::render::{Asked, Drawn, Eye, Now, RenderError, Renderer, Settings, View};
+use engine::scene::Scene;
 use engine::scene::assets::Assets;
 use engine::transport::Transport;
 use glam::DVec3;
+
+use crate::job::Job;
 
 /// egui shows textures as they are stored.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
@@ -35,7 +39,14 @@ pub struct Stage {
     settings: Settings,
     /// What the author says of features.
     features: Asked,
+    /// The renderer that follows.
+    coming: Option<Job<Result<Renderer, RenderError>>>,
 }
+
+/// A new renderer draws so often, in small, before it is shown: pipelines are made, meshes lie on the GPU, light has come
+/// to rest.
+const FIRST_PICTURES: usize = 24;
+const SMALL: [u32; 2] = [96, 54];
 
 impl Stage {
     pub fn new(
@@ -48,7 +59,7 @@ impl Stage {
         let gpu = Arc::new(gpu);
         let settings = Settings { uploads: Some(UPLOADS), ..settings };
         let renderer = Renderer::asked(gpu.clone(), transport.clone(), assets, settings, features.clone())?;
-        Ok(Self { state: state.clone(), gpu, renderer, transport, settings, features })
+        Ok(Self { state: state.clone(), gpu, renderer, transport, settings, features, coming: None })
     }
 
     pub fn gpu(&self) -> &Arc<Gpu> {
@@ -64,14 +75,63 @@ impl Stage {
         self.transport.origin
     }
 
-    /// Another bake lights the scene from now on.
-    pub fn relight(&mut self, transport: Arc<Transport>, assets: &Assets) -> Result<(), RenderError> {
-        let features = self.features.clone();
-        self.renderer =
-            Renderer::asked(self.gpu.clone(), transport.clone(), assets, self.settings, features)?;
-        self.transport = transport;
+    /// Another bake is to light the scene. Its renderer is made on a thread of its own, and the one that is there draws
+    /// on until [`Self::take_relit`] finds it ready. One that was still to come is given up.
+    pub fn relight(
+        &mut self,
+        transport: Arc<Transport>,
+        scene: Scene,
+        assets: Arc<Assets>,
+        eye: Eye,
+    ) -> std::io::Result<()> {
+        let (gpu, settings, features) = (self.gpu.clone(), self.settings, self.features.clone());
+        let make = move || {
+            let mut renderer = Renderer::asked(gpu.clone(), transport, &assets, settings, features)?;
+            warm(&mut renderer, &gpu, &scene, &assets, eye)?;
+            Ok(renderer)
+        };
+        self.coming = Some(Job::start("relight", make)?);
         Ok(())
     }
+
+    /// Another renderer is on its way.
+    pub fn is_relighting(&self) -> bool {
+        self.coming.is_some()
+    }
+
+    /// The renderer that is ready takes over; what could not be made is an error, and the one before stays.
+    pub fn take_relit(&mut self) -> Option<Result<(), String>> {
+        let made = self.coming.as_mut()?.poll()?;
+        self.coming = None;
+        Some(match made {
+            Ok(Ok(renderer)) => {
+                self.transport = renderer.transport().clone();
+                self.renderer = renderer;
+                Ok(())
+            }
+            Ok(Err(error)) => Err(error.to_string()),
+            Err(panicked) => Err(panicked),
+        })
+    }
+}
+
+fn warm(
+    renderer: &mut Renderer,
+    gpu: &Gpu,
+    scene: &Scene,
+    assets: &Assets,
+    eye: Eye,
+) -> Result<(), RenderError> {
+    let display = texture::target(gpu, "first pictures", SMALL, 1, FORMAT);
+    let world_from_local = placed_at(scene, assets, 0.0);
+    let view = View::Composite;
+    let now = Now { scene, assets, world_from_local: &world_from_local, time: 0.0, eye, view };
+    for _ in 0..FIRST_PICTURES {
+        if renderer.draw(&now, &display)?.is_settled() {
+            break;
+        }
+    }
+    Ok(())
 }
 
 /// All that tells one picture from another.
@@ -89,6 +149,8 @@ struct Shown {
 /// A picture in a panel.
 #[derive(Default)]
 pub struct Picture {
+    /// Pictures that are drawn in turn each have one of their own.
+    number: u32,
     texture: Option<(wgpu::Texture, TextureId)>,
     shown: Option<Shown>,
     changed: Option<Instant>,
@@ -103,6 +165,10 @@ pub struct Picture {
 }
 
 impl Picture {
+    pub fn numbered(number: u32) -> Self {
+        Self { number, ..Self::default() }
+    }
+
     /// Pixels of a picture that fills so many points.
     pub fn pixels(gpu: &Gpu, points: Vec2, pixels_per_point: f32) -> [u32; 2] {
         let most = gpu.device.limits().max_texture_dimension_2d;
@@ -167,6 +233,7 @@ impl Picture {
     fn draw(&mut self, stage: &mut Stage, now: &Now<'_>, marks: &Marks) {
         let Some((texture, _)) = &self.texture else { return };
         let since = Instant::now();
+        stage.renderer.turn_to(self.number);
         stage.renderer.mark(marks);
         match stage.renderer.draw(now, texture) {
             Ok(drawn) => (self.drawn, self.error) = (drawn, None),

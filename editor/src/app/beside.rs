@@ -4,6 +4,8 @@ use std::time::Instant;
 
 use bake::Settings;
 use eframe::egui::Ui;
+use engine::render::Eye;
+use glam::DVec3;
 
 use super::Editor;
 use crate::baking::Badge;
@@ -21,6 +23,7 @@ impl Editor {
             self.tell(event);
         }
         self.take_bake();
+        self.take_relit();
         self.files.pivot = self.scene.camera.pivot;
         if self.files.follow(&mut self.session.document) {
             self.follow_renames(ui.ctx());
@@ -29,7 +32,8 @@ impl Editor {
         if !matches!(self.baking.badge(&self.session.document), Badge::Current | Badge::LightOnly) {
             self.baking.compare(&self.session.document, &self.assets);
         }
-        let wait = if self.baking.progress().is_some() { 100 } else { 1000 };
+        let is_awaited = self.baking.progress().is_some() || self.stage.is_relighting();
+        let wait = if is_awaited { 100 } else { 1000 };
         ui.ctx().request_repaint_after(std::time::Duration::from_millis(wait));
     }
 
@@ -79,16 +83,29 @@ impl Editor {
         }
     }
 
-    /// The light of the bake that has just ended.
+    /// The light of the bake that has just ended; it is shown when its renderer is ready.
     fn relight(&mut self) {
         let Some(transport) = self.baking.transport().cloned() else { return };
         let Session { document, log, .. } = &self.session;
-        if let Err(error) = self.stage.relight(transport.clone(), &self.assets) {
-            return log.error(Source::Nothing, error.to_string());
+        let scene = self.baking.scene().map_or_else(|| document.scene().clone(), |scene| (**scene).clone());
+        let plain = Eye::looking(DVec3::Z, DVec3::ZERO);
+        let eye = self.scene.camera.eye(&self.scenery().camera().unwrap_or(plain));
+        if let Err(error) = self.stage.relight(transport, scene, self.assets.clone(), eye) {
+            log.error(Source::Nothing, format!("the new light cannot be shown: {error}"));
         }
-        self.baked = AsBaked::of(document.scene(), &self.assets, &transport);
+    }
+
+    fn take_relit(&mut self) {
+        let Some(relit) = self.stage.take_relit() else { return };
+        let Session { document, log, .. } = &self.session;
+        if let Err(error) = relit {
+            return log.error(Source::Nothing, error);
+        }
+        // What was edited while the bake went on is elsewhere than the bake has it.
+        let baked = self.baking.scene().map_or(document.scene(), |scene| scene);
+        self.baked = AsBaked::of(baked, &self.assets, self.stage.transport());
         self.placed.forget();
-        self.scene.picture.forget();
+        self.scene.forget();
         self.game.picture.forget();
     }
 }

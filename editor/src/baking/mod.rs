@@ -2,11 +2,11 @@
 //! swaps the transport in when it is there.
 
 pub mod density;
+pub mod patches;
 mod progress;
 
 use std::path::Path;
 use std::sync::Arc;
-use std::thread::JoinHandle;
 
 use bake::{BakeError, Settings};
 use engine::scene::assets::Assets;
@@ -18,6 +18,7 @@ use engine::transport::{Certificate, Transport, file};
 
 use crate::document::Document;
 use crate::edit::Stale;
+use crate::job::Job;
 pub use progress::{Meter, Progress};
 
 /// What the badge tells.
@@ -37,6 +38,8 @@ pub enum Badge {
 pub struct Baked {
     pub transport: Arc<Transport>,
     pub warnings: Vec<Warning>,
+    /// The scene that was baked, as long as it is not the one on disk: edits go on while a bake does.
+    scene: Option<Arc<Scene>>,
     /// The state of the document that it was made of or found with.
     state: Option<u64>,
     /// The document's revision that it was compared with, and what it differed by.
@@ -56,24 +59,6 @@ impl Baked {
         let mut transport = Transport::clone(&self.transport);
         transport.leave_out(&self.differs);
         Some(Arc::new(transport))
-    }
-}
-
-/// A thread that works and is asked for its result with every picture.
-struct Job<T> {
-    thread: Option<JoinHandle<T>>,
-}
-
-impl<T: Send + 'static> Job<T> {
-    fn start(name: &str, work: impl FnOnce() -> T + Send + 'static) -> std::io::Result<Self> {
-        let thread = std::thread::Builder::new().name(name.to_owned()).spawn(work)?;
-        Ok(Self { thread: Some(thread) })
-    }
-
-    /// `None`: it goes on. An error: it panicked.
-    fn poll(&mut self) -> Option<Result<T, String>> {
-        let thread = self.thread.take_if(|thread| thread.is_finished())?;
-        Some(thread.join().map_err(|_| "a thread of the editor failed: see the terminal".to_owned()))
     }
 }
 
@@ -112,6 +97,11 @@ impl Baking {
         Some(&self.shown.as_ref()?.transport)
     }
 
+    /// What was baked last in this session: where everything in the bake is.
+    pub fn scene(&self) -> Option<&Arc<Scene>> {
+        self.shown.as_ref()?.scene.as_ref()
+    }
+
     /// Starts one, unless one goes on. One core is left to the editor.
     pub fn start(&mut self, document: &Document, settings: Settings) -> Result<(), String> {
         if self.bake.is_some() {
@@ -124,9 +114,10 @@ impl Baking {
         let (scene, watcher) = (document.scene().clone(), meter.clone());
         let (state, revision) = (document.state(), document.revision());
         let work = move || {
+            let made_of = Some(Arc::new(scene.clone()));
             let baked = bake::bake_scene(&project, &name, scene, &settings, &*watcher)?;
             let (transport, differs) = (Arc::new(baked.transport), Difference::default());
-            Ok(Baked { transport, warnings: baked.warnings, state, revision, differs })
+            Ok(Baked { transport, warnings: baked.warnings, scene: made_of, state, revision, differs })
         };
         let job = Job::start("bake", work).map_err(|error| format!("the bake cannot start: {error}"))?;
         self.bake = Some(Bake { job, meter });
@@ -212,7 +203,8 @@ pub fn load(document: &Document, assets: &Assets) -> Result<Option<Baked>, Strin
     let transport = file::load_full(project, name).map_err(|error| bake::chain::told(&error))?;
     let differs = difference(project, &transport.certificate, document.scene(), assets);
     let (state, revision) = (document.state(), document.revision());
-    Ok(Some(Baked { transport: Arc::new(transport), warnings: Vec::new(), state, revision, differs }))
+    let transport = Arc::new(transport);
+    Ok(Some(Baked { transport, warnings: Vec::new(), scene: None, state, revision, differs }))
 }
 
 /// Between what was baked and a scene, with the features that its project asks for. Reads the project's settings.

@@ -9,9 +9,14 @@ use crate::scenery::Scenery;
 use crate::theme;
 use crate::viewport::{Picture, Stage};
 
-#[derive(Default)]
 pub struct GameView {
     pub picture: Picture,
+}
+
+impl Default for GameView {
+    fn default() -> Self {
+        Self { picture: Picture::numbered(1) }
+    }
 }
 
 impl GameView {

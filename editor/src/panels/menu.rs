@@ -5,7 +5,6 @@ use egui::{Button, MenuBar, Ui};
 
 use crate::ask::Asks;
 use crate::command::{Bindings, Category, Command, ROWS, Row, State};
-use crate::run;
 
 /// A menu and what of the table it shows, group by group.
 const MENUS: [(&str, &[Category]); 8] = [
@@ -54,7 +53,7 @@ pub fn show(ui: &mut Ui, state: &State, bindings: &Bindings, asks: &mut Asks) {
 fn entries(ui: &mut Ui, categories: &[Category], state: &State, bindings: &Bindings, asks: &mut Asks) {
     let mut is_first = true;
     for (number, category) in categories.iter().enumerate() {
-        let rows = ROWS.iter().filter(|row| row.category == *category && run::is_known(row.command));
+        let rows = ROWS.iter().filter(|row| row.category == *category);
         for (at, row) in rows.enumerate() {
             let begins = GROUPS.contains(&row.command) || at == 0 && number > 0;
             if begins && !is_first {
@@ -100,7 +99,7 @@ pub fn context(ui: &mut Ui, state: &State, bindings: &Bindings, asks: &mut Asks)
         if number > 0 {
             ui.separator();
         }
-        for command in group.iter().filter(|command| run::is_known(**command)) {
+        for command in group {
             entry(ui, command.row(), state, bindings, asks);
         }
     }

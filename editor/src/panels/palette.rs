@@ -37,8 +37,7 @@ impl Palette {
             let mut pressed = |key| input.consume_key(Modifiers::NONE, key);
             (pressed(Key::ArrowUp), pressed(Key::ArrowDown), pressed(Key::Enter), pressed(Key::Escape))
         });
-        let rows: Vec<&Row> =
-            search(&typed.text).into_iter().filter(|row| run::is_known(row.command)).collect();
+        let rows: Vec<&Row> = search(&typed.text);
         typed.chosen = match (up, down) {
             (true, _) => typed.chosen.saturating_sub(1),
             (_, true) => typed.chosen + 1,

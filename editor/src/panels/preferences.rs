@@ -256,6 +256,5 @@ fn found(text: &str, bindings: &Bindings) -> Vec<&'static Row> {
     let mut rows = search(text);
     let named: Vec<Command> = rows.iter().map(|row| row.command).collect();
     rows.extend(ROWS.iter().filter(|row| !named.contains(&row.command) && has_keys(row)));
-    rows.retain(|row| run::is_known(row.command));
     rows
 }

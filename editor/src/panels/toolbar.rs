@@ -11,11 +11,25 @@ use crate::gizmo::Tool;
 use crate::icons::{self, Icon};
 use crate::theme;
 
-const TOOLS: [(Tool, Command, Icon, &str, &str); 4] = [
+const TOOLS: [(Tool, Command, Icon, &str, &str); 6] = [
     (Tool::View, Command::ToolSelect, Icon::View, "Select", "Look and select, nothing else (Q)"),
     (Tool::Move, Command::ToolMove, Icon::Move, "Move", "Move what is selected (W)"),
     (Tool::Rotate, Command::ToolRotate, Icon::Rotate, "Rotate", "Turn what is selected (E)"),
     (Tool::Scale, Command::ToolScale, Icon::Scale, "Scale", "Scale what is selected (R)"),
+    (
+        Tool::Density,
+        Command::DensityBrush,
+        Icon::Brush,
+        "Density brush",
+        "Paint how finely surfaces are divided for the light (B)",
+    ),
+    (
+        Tool::Probes,
+        Command::EditLightProbes,
+        Icon::LightProbes,
+        "Edit light probes",
+        "Set, choose, move and delete light probes (P)",
+    ),
 ];
 
 /// What of playing the buttons show.

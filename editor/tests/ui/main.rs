@@ -6,11 +6,14 @@ mod components;
 mod files;
 mod inspector;
 mod keyboard;
+mod light;
 mod main_path;
 #[path = "../models/mod.rs"]
 mod models;
 mod objects;
 mod panels;
 mod preferences;
+mod probes;
 mod recovery;
+mod scene;
 mod window;

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use editor::app::{Editor, wgpu_setup};
 use editor::gizmo::Stand;
+use editor::intents::Intent;
 use editor::lens::Lens;
 use editor::log::Level;
 use editor::opened::Opened;
@@ -91,7 +92,7 @@ impl Window {
     pub fn until(&mut self, what: &str, is_so: impl Fn(&Self) -> bool) {
         let since = Instant::now();
         while !is_so(self) {
-            assert!(since.elapsed() < Duration::from_secs(120), "never came about: {what}");
+            assert!(since.elapsed() < Duration::from_secs(400), "never came about: {what}");
             self.settle();
             std::thread::sleep(Duration::from_millis(5));
         }
@@ -204,6 +205,39 @@ impl Window {
         let active = self.editor().session.selection.active().unwrap();
         let origin = self.editor().session.document.world_from_local(active).translation;
         Stand { origin, axes: DQuat::IDENTITY }
+    }
+
+    /// How many steps undo knows.
+    pub fn steps(&self) -> usize {
+        self.editor().session.document.history().undo_names().count()
+    }
+
+    /// The mouse goes there with the left button, held keys and all, and stays down.
+    pub fn hold(&mut self, from: Pos2, through: &[Pos2]) {
+        self.harness.hover_at(from);
+        self.harness.step();
+        self.harness.drag_at(from);
+        self.harness.step();
+        for to in through {
+            self.harness.hover_at(*to);
+            self.harness.step();
+        }
+    }
+
+    pub fn release(&mut self, at: Pos2) {
+        self.harness.drop_at(at);
+        self.settle();
+    }
+
+    /// The first entity of that name.
+    pub fn named(&self, name: &str) -> EntityId {
+        let mut entities = self.editor().session.document.scene().entities.iter();
+        entities.find(|entity| entity.name == name).unwrap().id
+    }
+
+    pub fn select(&mut self, ids: &[EntityId]) {
+        self.editor_mut().session.carry_out([Intent::Select(ids.to_vec())]);
+        self.settle();
     }
 
     /// With the left button, in a few steps.

@@ -183,7 +183,7 @@ impl Renderer {
             ("pictures", self.pictures.bytes),
             ("shadow maps", self.shadows.bytes()),
             ("cubemaps", self.reflections.bytes()),
-            ("targets", self.targets().map_or(0, Targets::bytes)),
+            ("targets", self.targets().map_or(0, Targets::bytes) + self.turns.bytes()),
             ("overlay", self.overlay.bytes()),
         ]
     }

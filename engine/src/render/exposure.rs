@@ -71,7 +71,7 @@ pub fn pre_exposure(stops: f32) -> f32 {
 pub struct Exposure {
     layout: [wgpu::BindGroupLayout; 2],
     /// For one sample a pixel, and for more.
-    pipelines: [Compute; 2],
+    pipelines: Arc<[Compute; 2]>,
     meter: wgpu::Buffer,
     bins: wgpu::Buffer,
     state: wgpu::Buffer,
@@ -94,6 +94,15 @@ impl Exposure {
             let groups = [Some(frame_layout), None, None, Some(layout)];
             Compute::new(compiler, shaders::EXPOSURE, &groups)
         });
+        Self::with(gpu, layout, Arc::new(pipelines))
+    }
+
+    /// The eye of another picture.
+    pub fn another(&self, gpu: &Gpu) -> Self {
+        Self::with(gpu, self.layout.clone(), self.pipelines.clone())
+    }
+
+    fn with(gpu: &Gpu, layout: [wgpu::BindGroupLayout; 2], pipelines: Arc<[Compute; 2]>) -> Self {
         let bytes = size_of::<ExposureState>() as u64;
         Self {
             pipelines,

@@ -42,9 +42,11 @@ use super::steering::Steering;
 use super::surface::Surfaces;
 use super::targets::{self, Targets};
 use super::tonemap::{self, Tonemap};
+use super::turns::Turns;
 use super::unit::Rescale;
 use super::uploads::Uploads;
 use super::view::{Eye, View};
+use super::wireframe::Wireframe;
 use super::{RenderError, lights, shaders};
 use crate::gpu::pass::{self, Binding};
 use crate::gpu::timing::{Passes, Timer};
@@ -162,6 +164,7 @@ pub struct Renderer {
     pub(super) tetrahedra: Lines,
     /// Over the scene, for who edits it.
     pub(super) guides: Lines,
+    pub(super) wireframe: Wireframe,
     pub(super) picking: Picking,
     pub(super) outline: Outline,
     pub(super) sky: SkyPass,
@@ -181,6 +184,7 @@ pub struct Renderer {
     pub(super) moved: u64,
     pub(super) asked: Asked,
     pub(super) responses: Responses,
+    pub(super) turns: Turns,
 }
 
 impl Renderer {
@@ -262,6 +266,7 @@ impl Renderer {
             probes: Probes::new(gpu_ref, compiler, frame_layout),
             tetrahedra: Lines::new(gpu_ref, compiler, frame_layout),
             guides: Lines::new(gpu_ref, compiler, frame_layout),
+            wireframe: Wireframe::new(gpu_ref, compiler, frame_layout),
             picking: Picking::new(gpu_ref, compiler, frame_layout),
             outline: Outline::new(gpu_ref, compiler, frame_layout),
             sky: SkyPass::new(gpu_ref, compiler, frame_layout, &pictures, asked.has(Feature::Sky, false)),
@@ -282,6 +287,7 @@ impl Renderer {
             moved: 0,
             asked,
             responses: Responses::default(),
+            turns: Turns::default(),
             transport,
             settings,
             gpu,

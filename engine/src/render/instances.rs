@@ -255,7 +255,7 @@ fn pass_of(materials: &Materials, material: usize) -> Pass {
     }
 }
 
-fn rows(world: &DAffine3, origin: DVec3) -> [[f32; 4]; 3] {
+pub(super) fn rows(world: &DAffine3, origin: DVec3) -> [[f32; 4]; 3] {
     let (m, t) = (world.matrix3, world.translation - origin);
     [0, 1, 2].map(|i| [m.x_axis[i] as f32, m.y_axis[i] as f32, m.z_axis[i] as f32, t[i] as f32])
 }

@@ -47,9 +47,11 @@ pub mod spaces;
 pub mod surface;
 pub mod targets;
 pub mod tonemap;
+mod turns;
 pub mod unit;
 pub mod uploads;
 pub mod view;
+pub mod wireframe;
 
 use crate::gpu::GpuError;
 pub use crate::transport::steering;

@@ -19,6 +19,8 @@ pub struct Marks {
     /// Relative to the transport's origin.
     pub lines: Vec<Line>,
     pub outlined: HashSet<EntityId>,
+    /// Edges of all meshes.
+    pub wireframe: bool,
     /// What the bake has elsewhere or in another shape: drawn where it is now, in the light of probes.
     pub displaced: HashSet<EntityId>,
 }
@@ -37,7 +39,7 @@ pub struct Outline {
     layout: wgpu::PipelineLayout,
     mask_layout: wgpu::BindGroupLayout,
     pipelines: Pipelines<Display, wgpu::RenderPipeline>,
-    mask: Option<(wgpu::Texture, wgpu::BindGroup)>,
+    pub(super) mask: Option<(wgpu::Texture, wgpu::BindGroup)>,
     outlined: HashSet<EntityId>,
 }
 
@@ -70,6 +72,7 @@ impl Renderer {
     pub fn mark(&mut self, marks: &Marks) {
         let gpu = &*self.gpu.clone();
         self.guides.set(gpu, &marks.lines);
+        self.wireframe.shown = marks.wireframe;
         self.outline.outlined.clone_from(&marks.outlined);
         self.instances.displaced.clone_from(&marks.displaced);
     }

@@ -25,6 +25,7 @@ impl Renderer {
             self.exposure.bind(gpu, &targets);
             self.target = Some((targets, group));
         }
+        self.follow_wireframe(gpu, now);
         let mut draws = self.expose(gpu, encoder, now, size);
         let Some(target) = &self.target else { return draws };
         self.tonemap.draw(encoder, &mut self.timer, &self.frame_group, target, display);
@@ -102,6 +103,7 @@ impl Renderer {
             self.tetrahedra.set(gpu, &probes::tetrahedra(&self.transport, self.objects.field()));
             draws += self.tetrahedra.draw(&mut pass, &self.frame_group, self.samples);
         }
+        draws += self.wireframe.draw(&mut pass, &self.frame_group, &self.meshes, self.samples);
         draws += self.guides.draw(&mut pass, &self.frame_group, self.samples);
         draws
     }

@@ -29,9 +29,9 @@ pub const IMPORTED: [Source; 11] = [
 ];
 
 /// One file a pass.
-pub const PASSES: [Source; 21] = [
+pub const PASSES: [Source; 22] = [
     SHADOW, UNIT, DIRECT, BOUNCE, COARSE, GATHER, MEAN, DERING, OBJECTS, PREFILTER, SURFACE, PATCHES, PROBES,
-    LINES, SKY, EXPOSURE, TONEMAP, OVERLAY, MIPMAP, PICKING, OUTLINE,
+    LINES, SKY, EXPOSURE, TONEMAP, OVERLAY, MIPMAP, PICKING, OUTLINE, WIREFRAME,
 ];
 
 pub const SHADOW: Source = Source { name: "shadow", text: include_str!("../../../shaders/shadow.wgsl") };
@@ -65,6 +65,8 @@ pub const OVERLAY: Source = Source { name: "overlay", text: include_str!("../../
 pub const MIPMAP: Source = Source { name: "mipmap", text: include_str!("../../../shaders/mipmap.wgsl") };
 pub const PICKING: Source = Source { name: "picking", text: include_str!("../../../shaders/picking.wgsl") };
 pub const OUTLINE: Source = Source { name: "outline", text: include_str!("../../../shaders/outline.wgsl") };
+pub const WIREFRAME: Source =
+    Source { name: "wireframe", text: include_str!("../../../shaders/wireframe.wgsl") };
 
 /// What may be defined in a pass, each set as some scene has it: nothing, each part alone, and all of them.
 pub fn defines(pass: &str) -> Vec<Vec<&'static str>> {

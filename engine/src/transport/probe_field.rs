@@ -170,6 +170,13 @@ impl ProbeField {
         };
         edges.into_iter().map(edge).collect()
     }
+
+    /// Probes at the corners of each tetrahedron; none where probes span less than space.
+    pub fn cells(&self) -> Vec<[u32; 4]> {
+        let Shape::Space(Space { tetrahedra, .. }) = &self.shape else { return Vec::new() };
+        let solid = &tetrahedra.cells[..tetrahedra.solid];
+        solid.iter().map(|cell| cell.corners.map(|point| self.probes[point as usize])).collect()
+    }
 }
 
 #[cfg(test)]
