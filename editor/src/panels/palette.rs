@@ -5,7 +5,7 @@ use egui::{Align2, Area, Button, Frame, Id, Key, Modifiers, Order, ScrollArea, T
 
 use crate::ask::Asks;
 use crate::command::{Bindings, Row, State, search};
-use crate::{run, theme};
+use crate::theme;
 
 #[derive(Default)]
 pub struct Palette {
