@@ -112,3 +112,32 @@ fn a_bake_that_is_refused_tells_why() {
     let error = finished(&mut baking).unwrap_err();
     assert!(error.contains("patch length"), "{error}");
 }
+
+/// Writes down what it is told.
+#[derive(Default)]
+struct Stages(std::sync::Mutex<Vec<String>>);
+
+impl bake::Watcher for Stages {
+    fn stage(&self, name: &str, _: u64) {
+        self.0.lock().unwrap().push(name.to_owned());
+    }
+}
+
+#[test]
+fn it_is_known_how_long_every_stage_of_a_bake_takes() {
+    let folder = tempfile::tempdir().unwrap();
+    let sample = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../projects/cornell");
+    for file in ["project.ron", "scenes/cornell.ron", "assets/cornell.obj", "assets/cornell.mtl"] {
+        let to = folder.path().join(file);
+        std::fs::create_dir_all(to.parent().unwrap()).unwrap();
+        std::fs::copy(sample.join(file), to).unwrap();
+    }
+    let stages = Stages::default();
+    let few = Settings { patch_length: Some(0.2), ..coarse() };
+    bake::bake(folder.path(), None, &few, &stages).unwrap();
+    let stages = stages.0.into_inner().unwrap();
+    assert!(stages.len() >= 8, "{stages:?}");
+    for stage in stages {
+        assert!(baking::Meter::knows(&stage), "{stage}");
+    }
+}

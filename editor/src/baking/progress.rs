@@ -6,16 +6,19 @@ use std::time::{Duration, Instant};
 
 use bake::Watcher;
 
-/// Stages of a bake, and the share of its time that each takes in an ordinary room. An unordinary scene makes the whole
-/// bar run unevenly; it never runs backwards.
-const STAGES: [(&str, f64); 7] = [
+/// Stages of a bake in their order, and the share of its time that each takes in an ordinary room. An unordinary scene
+/// makes the whole bar run unevenly, one that does without a stage makes it jump; it never runs backwards.
+const STAGES: [(&str, f64); 10] = [
     ("reading", 0.02),
     ("patches and receivers", 0.05),
     ("patch rows", 0.25),
-    ("receiver rows", 0.45),
-    ("light probes", 0.05),
-    ("balance", 0.13),
-    ("certificate", 0.05),
+    ("patches towards emitters", 0.03),
+    ("receiver rows", 0.37),
+    ("receivers towards emitters", 0.05),
+    ("directional rows", 0.03),
+    ("light probes", 0.04),
+    ("balance", 0.12),
+    ("certificate", 0.04),
 ];
 
 /// What a panel shows.
@@ -57,6 +60,11 @@ impl Default for Meter {
 }
 
 impl Meter {
+    /// How long such a stage takes is known.
+    pub fn knows(stage: &str) -> bool {
+        length(stage) > 0.0
+    }
+
     pub fn cancel(&self) {
         self.cancelled.store(true, Ordering::Relaxed);
     }
@@ -68,7 +76,7 @@ impl Meter {
     fn after(&self, elapsed: Duration) -> Progress {
         let stage = self.current();
         let done = self.done.load(Ordering::Relaxed);
-        let stage_share = if stage.steps == 0 { 0.0 } else { (done as f64 / stage.steps as f64).min(1.0) };
+        let stage_share = stage.share(done);
         let share = stage.behind + stage_share * length(&stage.name);
         let remaining = (share > 0.05).then(|| elapsed.mul_f64((1.0 / share - 1.0).max(0.0)));
         let rays = self.rays.load(Ordering::Relaxed);
@@ -77,6 +85,13 @@ impl Meter {
 
     fn current(&self) -> MutexGuard<'_, Stage> {
         self.stage.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Stage {
+    /// 0..1, of so many steps.
+    fn share(&self, done: u64) -> f64 {
+        if self.steps == 0 { 0.0 } else { (done as f64 / self.steps as f64).min(1.0) }
     }
 }
 
@@ -91,7 +106,9 @@ impl Watcher for Meter {
         let before =
             STAGES.iter().take_while(|(known, _)| *known != name).map(|(_, length)| length).sum::<f64>();
         let is_known = length(name) > 0.0;
-        stage.behind = if is_known { stage.behind.max(before) } else { stage.behind };
+        let done = stage.share(self.done.load(Ordering::Relaxed));
+        let so_far = stage.behind + done * length(&stage.name);
+        stage.behind = if is_known { so_far.max(before) } else { so_far };
         stage.name = name.to_owned();
         stage.steps = steps;
         self.done.store(0, Ordering::Relaxed);
@@ -130,13 +147,24 @@ mod tests {
     }
 
     #[test]
+    fn a_stage_that_nobody_knows_takes_nothing_back() {
+        let meter = Meter::default();
+        Watcher::stage(&meter, "patch rows", 2);
+        meter.advance(2, 0);
+        let before = meter.progress().share;
+        Watcher::stage(&meter, "something new", 5);
+        meter.advance(1, 0);
+        assert_eq!(meter.progress().share, before);
+    }
+
+    #[test]
     fn what_remains_follows_from_how_long_it_took_so_far() {
         let meter = Meter::default();
         assert_eq!(meter.after(Duration::from_secs(1)).remaining, None);
         Watcher::stage(&meter, "receiver rows", 100);
-        meter.advance(40, 0); // 0.32 + 0.4 * 0.45 = half of it
+        meter.advance(50, 0); // 0.35 + 0.5 * 0.37
         let remaining = meter.after(Duration::from_secs(10)).remaining.unwrap().as_secs_f64();
-        assert!((remaining - 10.0).abs() < 1e-6, "{remaining}");
+        assert!((remaining - (10.0 / 0.535 - 10.0)).abs() < 1e-6, "{remaining}");
         assert!(!Watcher::cancelled(&meter));
         meter.cancel();
         assert!(Watcher::cancelled(&meter));

@@ -99,7 +99,10 @@ fn baking(ui: &mut Ui, progress: &Progress, asks: &mut Asks) {
     if ui.button("Cancel").on_hover_text("The bake stops, and what is shown stays (Ctrl+Shift+B)").clicked() {
         asks.push(Command::CancelBake);
     }
-    let left = progress.remaining.map_or(String::new(), |left| format!(", {} s left", left.as_secs() + 1));
+    let left = progress.remaining.map_or(String::new(), |left| match left.as_secs() + 1 {
+        seconds @ ..100 => format!(", {seconds} s left"),
+        seconds => format!(", {} min left", seconds.div_ceil(60)),
+    });
     let text = format!("{} {:.0} %{left}", progress.stage, progress.share * 100.0);
     let (rect, _) = ui.allocate_exact_size(vec2(90.0, 6.0), egui::Sense::hover());
     ui.painter().rect_filled(rect, 3.0, ui.visuals().widgets.inactive.bg_fill);
