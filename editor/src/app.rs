@@ -79,6 +79,8 @@ pub struct Editor {
     leaving: Option<leave::Leaving>,
     loading: Option<Receiver<Result<Opened, String>>>,
     title: String,
+    /// Another program wrote the scene's file.
+    is_outdated: bool,
 }
 
 impl Editor {
@@ -135,6 +137,7 @@ impl Editor {
             leaving: None,
             loading: None,
             title: String::new(),
+            is_outdated: false,
         };
         editor.arrived(ctx);
         Ok(editor)
@@ -157,7 +160,8 @@ impl Editor {
         self.session.log.info(format!("Opened {}", path.display()));
     }
 
-    pub(crate) fn apply_preferences(&self, ctx: &egui::Context) {
+    /// Theme and size, to a window.
+    pub fn apply_preferences(&self, ctx: &egui::Context) {
         ctx.set_theme(match self.preferences.theme {
             Theme::Dark => egui::Theme::Dark,
             Theme::Light => egui::Theme::Light,
@@ -211,6 +215,7 @@ impl Editor {
         let light =
             Light { badge: self.baking.badge(&self.session.document), progress: self.baking.progress() };
         tools.show(ui, |ui| toolbar::show(ui, &mut self.scene.handling, playing, &light, &mut self.asks));
+        self.outdated(ui);
         let bottom = Panel::bottom("status").exact_size(24.0).frame(bar).show_separator_line(false);
         let Session { document, selection, log, .. } = &self.session;
         let (selected, entities) = (selection.ids().len(), document.scene().entities.len());

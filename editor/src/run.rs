@@ -268,14 +268,10 @@ impl Editor {
     }
 
     fn file(&mut self, command: Command, ui: &Ui) {
-        let Session { document, log, .. } = &mut self.session;
+        let document = &mut self.session.document;
         match command {
             Command::Save => document.save_in_background(),
-            Command::Reload => {
-                if let Err(error) = document.reload() {
-                    log.scene_error(&error, document.scene());
-                }
-            }
+            Command::Reload => document.reload_in_background(),
             Command::Quit => ui.ctx().send_viewport_cmd(ViewportCommand::Close),
             _ => {}
         }

@@ -3,15 +3,17 @@
 use std::time::Instant;
 
 use bake::Settings;
-use eframe::egui::Ui;
+use eframe::egui::{Panel, Ui};
 
 use super::Editor;
 use crate::baking::Badge;
 use crate::command::Command;
 use crate::document::Event;
+use crate::icons::{self, Icon};
 use crate::intents::Session;
 use crate::log::Source;
 use crate::scenery::AsBaked;
+use crate::theme;
 use crate::watch::Changed;
 
 impl Editor {
@@ -36,15 +38,23 @@ impl Editor {
     fn tell(&mut self, event: Event) {
         let Session { document, log, .. } = &self.session;
         match event {
-            Event::Saved(Ok(())) => log.info(format!("Saved {}", document.path().display())),
+            Event::Saved(Ok(())) => {
+                self.is_outdated = false;
+                log.info(format!("Saved {}", document.path().display()));
+            }
             Event::Saved(Err(error)) => log.error(Source::File(document.path()), bake::chain::told(&error)),
+            Event::Reloaded(Ok(())) => {
+                self.is_outdated = false;
+                log.info(format!("Reloaded {}", document.path().display()));
+            }
+            Event::Reloaded(Err(error)) => log.scene_error(&error, document.scene()),
             Event::NotRecoverable(error) | Event::NotNoted(error) => {
                 log.scene_error(&error, document.scene())
             }
-            Event::SceneChanged(Changed::Written | Changed::New) => log.warning(
-                Source::File(document.path()),
-                "Another program has written the scene's file: File > Reload from disk takes it over",
-            ),
+            Event::SceneChanged(Changed::Written | Changed::New) => {
+                self.is_outdated = true;
+                log.warning(Source::File(document.path()), "Another program has written the scene's file");
+            }
             Event::SceneChanged(Changed::Gone) => {
                 log.warning(
                     Source::File(document.path()),
@@ -52,6 +62,34 @@ impl Editor {
                 );
             }
             Event::AssetChanged(path, change) => self.asset_changed(&path, change),
+        }
+    }
+
+    /// Another program wrote the scene's file: whose is it to be?
+    pub(super) fn outdated(&mut self, ui: &mut Ui) {
+        if !self.is_outdated {
+            return;
+        }
+        let bar = theme::bar(ui.style());
+        let bar = Panel::top("outdated").exact_size(30.0).frame(bar).show_separator_line(false);
+        let (reload, keep) = bar
+            .show(ui, |ui| {
+                ui.horizontal_centered(|ui| {
+                    icons::label(ui, Icon::Warning, ui.visuals().warn_fg_color);
+                    ui.label("Another program has written this scene's file.");
+                    let reload = ui.button("Reload").on_hover_text("Undo brings your own back");
+                    let keep = ui.button("Keep mine").on_hover_text("The next save replaces the file");
+                    (reload.clicked(), keep.clicked())
+                })
+                .inner
+            })
+            .inner;
+        if reload {
+            self.session.document.reload_in_background();
+        }
+        if keep {
+            self.session.document.keep_own();
+            self.is_outdated = false;
         }
     }
 

@@ -211,7 +211,7 @@ impl Editor {
         log.warnings(&warnings, document.scene());
         let left = std::mem::replace(&mut self.session, Session::new(document, log));
         left.document.close();
-        self.assets = assets;
+        (self.assets, self.is_outdated) = (assets, false);
         (self.play, self.placed) = (None, Placed::default());
         self.hierarchy = Hierarchy::default();
         self.bring = Default::default();

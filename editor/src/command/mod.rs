@@ -202,6 +202,20 @@ mod tests {
     }
 
     #[test]
+    fn the_readme_tells_keys_that_give_what_it_says() {
+        let readme = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../README.md");
+        let readme = std::fs::read_to_string(readme).unwrap();
+        let table = readme.split("| keys | command |\n|---|---|\n").nth(1).unwrap();
+        let rows: Vec<&str> = table.lines().take_while(|line| line.starts_with('|')).collect();
+        assert!(rows.len() > 15);
+        for row in rows {
+            let cells: Vec<&str> = row.trim_matches('|').split('|').map(str::trim).collect();
+            let given = Bindings::default().command(cells[0].parse().unwrap());
+            assert_eq!(given.map(Command::name), Some(cells[1]), "{row}");
+        }
+    }
+
+    #[test]
     fn the_palette_finds_commands_by_their_letters() {
         let first = |letters: &str| search(letters)[0].command;
         assert_eq!(first("save"), Command::Save);

@@ -6,7 +6,7 @@ use std::thread::JoinHandle;
 
 use engine::scene::{Scene, SceneError};
 
-use super::file::{SaveError, write_new_scene, write_scene};
+use super::file::{SaveError, read, write_new_scene, write_scene};
 use super::notes::Notes;
 use crate::recovery;
 use crate::watch::{Changed, Stamp, Watch};
@@ -26,6 +26,9 @@ pub enum Work {
         name: String,
         scene: Box<Scene>,
         state: u64,
+    },
+    Read {
+        path: PathBuf,
     },
     Recovery {
         project: PathBuf,
@@ -53,6 +56,7 @@ pub enum Work {
 pub enum Done {
     Saved { state: u64, stamp: Result<Stamp, SaveError> },
     SavedAs { name: String, state: u64, stamp: Result<Stamp, SaveError> },
+    Read(Result<(Box<Scene>, Stamp), SceneError>),
     Recovery(Result<(), SceneError>),
     Notes(SceneError),
     Changed(Vec<(PathBuf, Changed)>),
@@ -109,6 +113,9 @@ fn serve(asked: Receiver<Work>, answer: Sender<Done>) {
             Work::SaveAs { project, name, scene, state } => {
                 let stamp = write_new_scene(&project, &name, &scene);
                 Some(Done::SavedAs { name, state, stamp })
+            }
+            Work::Read { path } => {
+                Some(Done::Read(read(&path).map(|(scene, stamp)| (Box::new(scene), stamp))))
             }
             Work::Recovery { project, name, scene } => {
                 Some(Done::Recovery(recovery::write(&project, &name, &scene)))

@@ -172,10 +172,25 @@ impl Document {
     /// Takes what the file holds now, as a step that undo takes back.
     pub fn reload(&mut self) -> Result<(), SceneError> {
         let (scene, stamp) = read(&self.path())?;
+        self.reloaded(scene, stamp)
+    }
+
+    /// The same while editing goes on; what came of it is among the next [`super::Event`]s.
+    pub fn reload_in_background(&mut self) {
+        let work = Work::Read { path: self.path() };
+        self.disk().ask(work);
+    }
+
+    pub(super) fn reloaded(&mut self, scene: Scene, stamp: Stamp) -> Result<(), SceneError> {
         self.cancel();
         self.commit(Edit::several("Reload", [Edit::Whole(Box::new(scene))]))?;
         self.saved(self.state, stamp);
         Ok(())
+    }
+
+    /// What another program wrote is not wanted: the next save replaces it.
+    pub fn keep_own(&mut self) {
+        (self.stamp, self.saved_state) = (None, None);
     }
 
     /// What a session that did not end well left of this scene.
@@ -240,7 +255,7 @@ impl Drop for Document {
     }
 }
 
-fn read(path: &Path) -> Result<(Scene, Stamp), SceneError> {
+pub fn read(path: &Path) -> Result<(Scene, Stamp), SceneError> {
     let bytes = std::fs::read(path).map_err(|source| SceneError::Io { path: path.to_owned(), source })?;
     let text = String::from_utf8_lossy(&bytes);
     Ok((scene_from_text(path, &text)?, Stamp::of(path, &bytes)))

@@ -18,6 +18,8 @@ const LOOK_EVERY: Duration = Duration::from_secs(1);
 pub enum Event {
     /// A save in the background ended.
     Saved(Result<(), SaveError>),
+    /// The scene's file was read again.
+    Reloaded(Result<(), SceneError>),
     /// What is not saved is not kept for a crash either.
     NotRecoverable(SceneError),
     /// The editor's notes (locks) were not written.
@@ -125,6 +127,10 @@ impl Document {
                     self.saved(state, stamp);
                 });
                 self.events.push(Event::Saved(result));
+            }
+            Done::Read(read) => {
+                let result = read.and_then(|(scene, stamp)| self.reloaded(*scene, stamp));
+                self.events.push(Event::Reloaded(result));
             }
             Done::Recovery(Ok(())) => {}
             Done::Recovery(Err(error)) => self.events.push(Event::NotRecoverable(error)),

@@ -11,8 +11,10 @@ use crate::edit::{Edit, Field};
 use crate::intents::Intent;
 use crate::primitives;
 
+/// Has an entity one?
+type Has = fn(&Entity) -> bool;
 /// What it is called, who has it already, and what is added.
-type Entry = (&'static str, fn(&Entity) -> bool, fn() -> Field);
+type Entry = (&'static str, Has, fn() -> Field);
 
 const ENTRIES: [Entry; 5] = [
     (
@@ -53,7 +55,7 @@ pub fn show(ui: &mut Ui, document: &Document, entities: &[&Entity], asks: &mut A
     ui.add_space(8.0);
 }
 
-fn lacking(entities: &[&Entity], has: fn(&Entity) -> bool) -> Vec<EntityId> {
+fn lacking(entities: &[&Entity], has: Has) -> Vec<EntityId> {
     entities.iter().filter(|entity| !has(entity)).map(|entity| entity.id).collect()
 }
 
@@ -86,8 +88,8 @@ fn mesh(ui: &mut Ui, document: &Document, entities: &[&Entity], asks: &mut Asks)
 }
 
 /// A component that was copied, and who has one like it. `None`: a transform, which everything has.
-fn carried(copied: Field) -> Option<(fn(&Entity) -> bool, Field)> {
-    let has: fn(&Entity) -> bool = match &copied {
+fn carried(copied: Field) -> Option<(Has, Field)> {
+    let has: Has = match &copied {
         Field::Mesh(_) => |e| e.mesh.is_some(),
         Field::Light(_) => |e| e.light.is_some(),
         Field::Camera(_) => |e| e.camera.is_some(),

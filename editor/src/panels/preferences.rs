@@ -126,6 +126,7 @@ impl Shown {
         let mut is_changed = false;
         ui.horizontal(|ui| {
             let field = TextEdit::singleline(&mut self.search).hint_text("Search by name or keys");
+            let field = field.align(egui::Align2::LEFT_CENTER);
             let field = ui.add_sized(vec2(260.0, 22.0), field);
             field.ctx.accesskit_node_builder(field.id, |node| node.set_label("Search the shortcuts"));
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -186,22 +187,7 @@ impl Shown {
                 ui.label(row.name);
                 ui.weak(row.category.name());
             });
-            let is_listening = self.listening == Some(command);
-            let said = if is_listening { "Press keys".to_owned() } else { told(&shortcuts) };
-            let button =
-                ui.add(Button::selectable(is_listening, said).min_size(vec2(KEYS, theme::ROW - 2.0)));
-            button
-                .ctx
-                .accesskit_node_builder(button.id, |node| node.set_label(format!("Keys of {}", row.name)));
-            if is_listening {
-                let all =
-                    EventFilter { tab: true, horizontal_arrows: true, vertical_arrows: true, escape: true };
-                ui.memory_mut(|memory| memory.set_focus_lock_filter(button.id, all));
-            }
-            if button.clicked() {
-                (self.listening, self.conflict) = (Some(command), None);
-                button.request_focus();
-            }
+            self.keys_button(ui, row, &shortcuts);
             let none = format!("No keys for {}", row.name);
             if !shortcuts.is_empty() && icons::button(ui, Icon::Close, &none, "", false).clicked() {
                 // Nothing can be in the way of nothing.
@@ -214,6 +200,24 @@ impl Shown {
             }
         });
         is_changed
+    }
+
+    /// Shows a command's keys; pressed, it waits for others.
+    fn keys_button(&mut self, ui: &mut Ui, row: &Row, shortcuts: &[Shortcut]) {
+        let is_listening = self.listening == Some(row.command);
+        let said = if is_listening { "Press keys".to_owned() } else { told(shortcuts) };
+        let button = Button::new(said).selected(is_listening).min_size(vec2(KEYS, theme::ROW - 2.0));
+        let button = ui.add(button);
+        let name = format!("Keys of {}", row.name);
+        button.ctx.accesskit_node_builder(button.id, |node| node.set_label(name));
+        if is_listening {
+            let all = EventFilter { tab: true, horizontal_arrows: true, vertical_arrows: true, escape: true };
+            ui.memory_mut(|memory| memory.set_focus_lock_filter(button.id, all));
+        }
+        if button.clicked() {
+            (self.listening, self.conflict) = (Some(row.command), None);
+            button.request_focus();
+        }
     }
 
     /// Keys that are pressed while a command waits for them are its own, and nobody else's.

@@ -148,7 +148,7 @@ fn a_scene_that_cannot_be_written_stays_unsaved_and_says_so() {
 }
 
 #[test]
-fn what_another_program_wrote_is_told_and_reloaded_from_the_menu() {
+fn what_another_program_wrote_is_offered_and_taken_or_replaced() {
     let Some(mut window) = open() else { return };
     let path = window.editor().session.document.path();
     let text = std::fs::read_to_string(&path).unwrap();
@@ -160,8 +160,17 @@ fn what_another_program_wrote_is_told_and_reloaded_from_the_menu() {
         !window.editor().session.log.filtered(&[Level::Warning], "Another program").is_empty()
     };
     window.until("the change is told", told);
-    window.choose("File", "Reload from disk");
+    window.click("Reload");
     let is_theirs = |window: &Window| window.editor().session.document.scene().entities[0].name == "theirs";
     window.until("it is reloaded", is_theirs);
-    assert!(!window.editor().title().contains('*'));
+    assert!(!window.editor().title().contains('*') && !window.is_shown("Keep mine"));
+    window.press(Modifiers::COMMAND, Key::Z);
+    assert!(!is_theirs(&window), "undo brings back what was there");
+    std::fs::write(&path, theirs.replace("theirs", "theirs again")).unwrap();
+    window.until("the change is offered", |window| window.is_shown("Keep mine"));
+    window.click("Keep mine");
+    assert!(window.editor().title().contains('*'));
+    window.press(Modifiers::COMMAND, Key::S);
+    window.until("it is saved", |window| !window.editor().title().contains('*'));
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), window.scene_text());
 }
