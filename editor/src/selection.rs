@@ -10,8 +10,8 @@ use crate::edit::IndexedScene;
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Selection {
     ids: Vec<EntityId>,
-    /// The same, to be found.
-    has: HashSet<EntityId>,
+    /// The same: thousands are asked about in every picture.
+    chosen: HashSet<EntityId>,
     /// Where a range with Shift begins.
     anchor: Option<EntityId>,
 }
@@ -38,7 +38,7 @@ impl Selection {
     }
 
     pub fn contains(&self, id: EntityId) -> bool {
-        self.has.contains(&id)
+        self.chosen.contains(&id)
     }
 
     pub fn is_empty(&self) -> bool {
@@ -58,12 +58,12 @@ impl Selection {
     /// The entity becomes the active one.
     pub fn add(&mut self, id: EntityId) {
         self.remove(id);
-        self.has.insert(id);
+        self.chosen.insert(id);
         self.ids.push(id);
     }
 
     pub fn remove(&mut self, id: EntityId) {
-        if self.has.remove(&id) {
+        if self.chosen.remove(&id) {
             self.ids.retain(|other| *other != id);
         }
     }
@@ -85,16 +85,15 @@ impl Selection {
         let (Some(to), Some(from)) = (at(id), self.anchor.and_then(at)) else { return self.set([id]) };
         let anchor = self.anchor;
         let range = &shown[from.min(to)..=from.max(to)];
-        self.clear();
-        range.iter().for_each(|id| self.add(*id));
+        self.set(range.iter().copied());
         self.add(id);
         self.anchor = anchor;
     }
 
     /// What is gone is not selected any more.
     pub fn retain_existing(&mut self, scene: &IndexedScene) {
-        self.ids.retain(|id| scene.entity(*id).is_some());
-        self.has.retain(|id| scene.entity(*id).is_some());
+        self.chosen.retain(|id| scene.entity(*id).is_some());
+        self.ids.retain(|id| self.chosen.contains(id));
         self.anchor = self.anchor.filter(|id| scene.entity(*id).is_some());
     }
 }

@@ -21,6 +21,8 @@ pub enum Then {
 pub struct Imports {
     waiting: VecDeque<(Order, Then)>,
     going: Option<(Job, Then)>,
+    /// Those that had no thread.
+    refused: Vec<Ended>,
 }
 
 /// How far it is.
@@ -45,22 +47,28 @@ impl Imports {
         self.waiting.push_back((order, then));
     }
 
-    /// To be called with every picture: what ended, once. The next begins.
+    /// To be called with every picture: what ended, once. The next begins at once.
     pub fn poll(&mut self) -> Option<Ended> {
-        if let Some((job, then)) = &mut self.going {
-            let result = job.poll()?;
-            let (name, then) = (name(&job.source), then.clone());
-            self.going = None;
-            return Some(Ended { name, then, result });
+        let ended = self.take_ended();
+        if self.going.is_none() {
+            self.begin();
         }
-        let (order, then) = self.waiting.pop_front()?;
+        ended.or_else(|| self.refused.pop())
+    }
+
+    fn take_ended(&mut self) -> Option<Ended> {
+        let (job, _) = self.going.as_mut()?;
+        let result = job.poll()?;
+        let (job, then) = self.going.take()?;
+        Some(Ended { name: name(&job.source), then, result })
+    }
+
+    fn begin(&mut self) {
+        let Some((order, then)) = self.waiting.pop_front() else { return };
         let name = name(&order.source);
         match Job::carry_out(order) {
-            Ok(job) => {
-                self.going = Some((job, then));
-                None
-            }
-            Err(error) => Some(Ended { name, then, result: Err(error) }),
+            Ok(job) => self.going = Some((job, then)),
+            Err(error) => self.refused.push(Ended { name, then, result: Err(error) }),
         }
     }
 
@@ -70,7 +78,7 @@ impl Imports {
     }
 
     pub fn is_idle(&self) -> bool {
-        self.going.is_none() && self.waiting.is_empty()
+        self.going.is_none() && self.waiting.is_empty() && self.refused.is_empty()
     }
 
     /// The one that goes on, and all that wait.

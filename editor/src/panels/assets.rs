@@ -63,7 +63,7 @@ impl Default for AssetList {
             search: String::new(),
             folder: ROOT.to_owned(),
             materials: false,
-            side: 64.0,
+            side: 52.0,
             assets: Vec::new(),
             listed: None,
             listed_at: None,

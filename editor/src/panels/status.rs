@@ -35,12 +35,13 @@ impl Status {
                 told(ui, line, if importing.is_some() { 520.0 } else { 190.0 }, asks);
             }
             ui.with_layout(Layout::right_to_left(egui::Align::Center), |ui| {
+                // At the edge: a button that is aimed at stays where it is.
+                if let Some(going) = importing {
+                    import(ui, going, asks);
+                    ui.add_space(14.0);
+                }
                 let selected = if selected > 0 { format!("{selected} selected of ") } else { String::new() };
                 ui.weak(format!("{selected}{entities} objects"));
-                if let Some(going) = importing {
-                    ui.add_space(10.0);
-                    import(ui, going, asks);
-                }
             });
         });
     }

@@ -75,8 +75,8 @@ impl Painter {
 
 /// A normal map, though it is of nothing, makes the reader give the sphere tangents.
 fn sphere() -> Assets {
-    let mut bumped = Material::default();
-    bumped.normal_texture = Some(Texture::new(ImageSource { file: String::new(), image: None }));
+    let nowhere = Texture::new(ImageSource { file: String::new(), image: None });
+    let bumped = Material { normal_texture: Some(nowhere), ..Material::default() };
     load_assets(std::path::Path::new(""), &ball(bumped)).map(|(assets, _)| assets).unwrap_or_default()
 }
 

@@ -45,11 +45,3 @@ pub fn glb(file: &Path, nodes: &[&str]) {
     out.extend(bytes);
     std::fs::write(file, out).unwrap();
 }
-
-/// A picture of one color, TGA: blue, green, red.
-pub fn picture(file: &Path, color: [u8; 3]) {
-    const SIDE: u8 = 4;
-    let mut bytes = vec![0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, SIDE, 0, SIDE, 0, 24, 0x20];
-    (0..SIDE * SIDE).for_each(|_| bytes.extend(color));
-    std::fs::write(file, bytes).unwrap();
-}

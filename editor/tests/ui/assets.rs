@@ -1,8 +1,8 @@
 //! Files: dropped, imported, renamed, lost and found, dragged onto objects.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use crate::models::{glb, picture, two_triangles};
+use crate::models::{glb, two_triangles};
 use crate::window::{Window, open};
 use editor::intents::Intent;
 use egui::{Key, Modifiers, Pos2};
@@ -10,6 +10,14 @@ use egui_kittest::kittest::Queryable;
 use engine::scene::file::text_of_scene;
 use engine::scene::{EntityId, ImageSource, MaterialId, MeshSource};
 use glam::DVec3;
+
+/// A picture of one color, TGA: blue, green, red.
+fn picture(file: &Path, color: [u8; 3]) {
+    const SIDE: u8 = 4;
+    let mut bytes = vec![0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, SIDE, 0, SIDE, 0, 24, 0x20];
+    (0..SIDE * SIDE).for_each(|_| bytes.extend(color));
+    std::fs::write(file, bytes).unwrap();
+}
 
 /// A cube that nothing hides, seen from above, and where the middle of its top is.
 fn pedestal(window: &mut Window) -> (EntityId, DVec3) {
