@@ -153,7 +153,8 @@ impl Editor {
         self.session.log.info(format!("Opened {}", path.display()));
     }
 
-    pub(crate) fn apply_preferences(&self, ctx: &egui::Context) {
+    /// Theme and size, to a window.
+    pub fn apply_preferences(&self, ctx: &egui::Context) {
         ctx.set_theme(match self.preferences.theme {
             Theme::Dark => egui::Theme::Dark,
             Theme::Light => egui::Theme::Light,

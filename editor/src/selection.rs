@@ -1,5 +1,7 @@
 //! Which entities are selected, in the order in which they were.
 
+use std::collections::HashSet;
+
 use engine::scene::EntityId;
 
 use crate::edit::IndexedScene;
@@ -8,6 +10,8 @@ use crate::edit::IndexedScene;
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Selection {
     ids: Vec<EntityId>,
+    /// The same: thousands are asked about in every picture.
+    chosen: HashSet<EntityId>,
     /// Where a range with Shift begins.
     anchor: Option<EntityId>,
 }
@@ -34,7 +38,7 @@ impl Selection {
     }
 
     pub fn contains(&self, id: EntityId) -> bool {
-        self.ids.contains(&id)
+        self.chosen.contains(&id)
     }
 
     pub fn is_empty(&self) -> bool {
@@ -54,11 +58,14 @@ impl Selection {
     /// The entity becomes the active one.
     pub fn add(&mut self, id: EntityId) {
         self.remove(id);
+        self.chosen.insert(id);
         self.ids.push(id);
     }
 
     pub fn remove(&mut self, id: EntityId) {
-        self.ids.retain(|other| *other != id);
+        if self.chosen.remove(&id) {
+            self.ids.retain(|other| *other != id);
+        }
     }
 
     /// A click on an entity, among those that are shown, in their order.
@@ -78,14 +85,15 @@ impl Selection {
         let (Some(to), Some(from)) = (at(id), self.anchor.and_then(at)) else { return self.set([id]) };
         let anchor = self.anchor;
         let range = &shown[from.min(to)..=from.max(to)];
-        self.ids = range.to_vec();
+        self.set(range.iter().copied());
         self.add(id);
         self.anchor = anchor;
     }
 
     /// What is gone is not selected any more.
     pub fn retain_existing(&mut self, scene: &IndexedScene) {
-        self.ids.retain(|id| scene.entity(*id).is_some());
+        self.chosen.retain(|id| scene.entity(*id).is_some());
+        self.ids.retain(|id| self.chosen.contains(id));
         self.anchor = self.anchor.filter(|id| scene.entity(*id).is_some());
     }
 }

@@ -52,6 +52,8 @@ pub fn open_project(project: &Path, home: Option<&Path>, size: Vec2) -> Option<W
         .with_context_setup(theme::install)
         .renderer(WgpuTestRenderer::from_render_state(state))
         .build_ui_state(|ui, editor: &mut Editor| editor.ui(ui), editor);
+    // The window is made after the editor here.
+    harness.state().apply_preferences(&harness.ctx);
     let mut window = Window { harness, _folder: None };
     window.settle();
     Some(window)

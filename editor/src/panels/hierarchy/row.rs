@@ -25,7 +25,7 @@ impl Hierarchy {
         let response = ui.interact(rect, id, Sense::click_and_drag());
         let selected = selection.contains(entity.id);
         response.widget_info(|| WidgetInfo::selected(Role::TreeItem, true, selected, &entity.name));
-        let is_hidden = entity.hidden || document.scene().is_hidden(entity);
+        let is_hidden = entity.hidden || document.indexed().ancestors(entity.id).any(|above| above.hidden);
         paint_back(ui, rect, &response, selected);
         let left = rect.left() + 4.0 + f32::from(row.depth) * INDENT;
         if row.has_children {
@@ -110,9 +110,11 @@ impl Hierarchy {
         tree: &Tree<'_>,
         asks: &mut Asks,
     ) {
-        let ids =
-            if tree.selection.contains(entity.id) { tree.selection.ids().to_vec() } else { vec![entity.id] };
-        response.dnd_set_drag_payload(Dragged(ids));
+        if response.drag_started() {
+            let is_one_of_many = tree.selection.contains(entity.id);
+            let ids = if is_one_of_many { tree.selection.ids().to_vec() } else { vec![entity.id] };
+            response.dnd_set_drag_payload(Dragged(ids));
+        }
         let Some(at) = ui.input(|input| input.pointer.hover_pos()) else { return };
         if response.dnd_hover_payload::<Dragged>().is_none() {
             return;
