@@ -143,7 +143,7 @@ mod tests {
             }
         }
         assert!((last - 1.0).abs() < 1e-12);
-        assert_eq!(meter.progress().rays, 280);
+        assert_eq!(meter.progress().rays, 400);
     }
 
     #[test]
