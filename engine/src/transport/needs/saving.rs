@@ -168,7 +168,8 @@ impl std::fmt::Display for Saving {
     }
 }
 
-fn bytes(bytes: u64) -> String {
+/// For people, in units of 1000.
+pub fn bytes(bytes: u64) -> String {
     match bytes {
         0..1_000 => format!("{bytes} B"),
         1_000..1_000_000 => format!("{:.1} kB", bytes as f64 * 1e-3),
