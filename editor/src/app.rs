@@ -55,7 +55,7 @@ pub struct Editor {
     pub(crate) play: Option<Play>,
     state: RenderState,
     stage: Stage,
-    pub(crate) layout: Layout,
+    pub layout: Layout,
     pub scene: SceneView,
     game: GameView,
     pub(crate) hierarchy: Hierarchy,
