@@ -16,6 +16,8 @@ use crate::transport::{Rows, Transport, packed};
 pub const PROBE_RAYS: u32 = 4096;
 /// A vector of light on the GPU [bytes].
 pub const VECTOR: u64 = 16;
+/// Where it has one channel.
+pub const CHANNEL: u64 = 4;
 
 /// How much there is of everything.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -168,7 +170,8 @@ impl std::fmt::Display for Saving {
     }
 }
 
-fn bytes(bytes: u64) -> String {
+/// "2.5 kB".
+pub fn bytes(bytes: u64) -> String {
     match bytes {
         0..1_000 => format!("{bytes} B"),
         1_000..1_000_000 => format!("{:.1} kB", bytes as f64 * 1e-3),

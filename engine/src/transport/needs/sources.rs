@@ -7,10 +7,14 @@
 use glam::Vec3;
 
 use super::look::{Look, entities, listed, told};
-use super::saving::VECTOR;
+use super::saving::{CHANNEL, VECTOR, bytes};
 use super::{Finding, Saving};
 use crate::scene::assets::{Picture, Pixels};
-use crate::scene::{Changes, Emission, Entity, EntityId, Light, Material, SkyKind, Texture};
+use crate::scene::{Changes, Emission, Entity, EntityId, Feature, Light, Material, SkyKind, Texture};
+
+/// Responses up to which nobody counts their bytes, and the most of them: they are added up where one is dimmed.
+const FEW_RESPONSES: u64 = 4;
+const MOST_RESPONSES: u64 = 64;
 
 /// Something that light comes from.
 pub struct Source {
@@ -87,11 +91,11 @@ pub fn sky_shines(look: &Look<'_>) -> bool {
         SkyKind::Gradient { zenith, horizon, ground, .. } => [*zenith, *horizon, *ground] == [Vec3::ZERO; 3],
         SkyKind::Picture { strength, .. } => *strength == 0.0 && sky.changes == Changes::Never,
     };
-    look.has(crate::scene::Feature::Sky) && (sky.changes == Changes::Anything || !dark)
+    look.has(Feature::Sky) && (sky.changes == Changes::Anything || !dark)
 }
 
 /// Light is solved while the scene plays: something that shines may change in more than its brightness, a light moves,
-/// or what moves casts shadows of one onto static surfaces, which patches show as surfaces do.
+/// what moves casts shadows of one onto static surfaces, which patches show as surfaces do, or too many are dimmed.
 pub fn matrix(look: &Look<'_>) -> Finding {
     let saving = matrix_saving(look);
     let sources = sources(look);
@@ -114,6 +118,9 @@ pub fn matrix(look: &Look<'_>) -> Finding {
         return shadowed.saves(saving);
     }
     let dimmed: Vec<&Source> = sources.iter().filter(|source| source.changes == Changes::Intensity).collect();
+    if let Some(why) = too_many(look, &dimmed) {
+        return Finding::needed(why, ids(&dimmed)).saves(saving);
+    }
     let why = if dimmed.is_empty() {
         "nothing that shines ever changes".to_owned()
     } else {
@@ -121,6 +128,29 @@ pub fn matrix(look: &Look<'_>) -> Finding {
     };
     let all: Vec<&Source> = sources.iter().collect();
     Finding::not_needed(why).led_to(ids(&all)).saves(saving)
+}
+
+/// Each source that may be dimmed has a response of its own, over all that light is read at: many take more than the rows
+/// in whose place they stand.
+fn too_many(look: &Look<'_>, dimmed: &[&Source]) -> Option<String> {
+    // And one of all that never changes.
+    let responses = dimmed.len() as u64 + 1;
+    if responses <= FEW_RESPONSES {
+        return None;
+    }
+    let each = format!("{} may each be dimmed by itself", names(dimmed));
+    if responses > MOST_RESPONSES {
+        return Some(format!("{each}, and more than {MOST_RESPONSES} responses are too many"));
+    }
+    let sizes = &look.sizes;
+    // Three floats an element: of patches once, elsewhere of what is emitted and of what bounced.
+    let a_response = 12 * (sizes.patches + 2 * sizes.receivers + 18 * sizes.probes);
+    let rows = [sizes.of_patches, sizes.of_receivers, sizes.of_probes];
+    let in_rows = rows.iter().map(|rows| rows.saving(&look.cost, 1.0).file_bytes).sum::<u64>();
+    (responses * a_response > in_rows).then(|| {
+        let [took, instead] = [responses * a_response, in_rows].map(bytes);
+        format!("{each}: {responses} responses take {took}, and the rows in whose place they stand {instead}")
+    })
 }
 
 /// Of what moves, in the light of a lamp that casts.
@@ -151,18 +181,17 @@ fn matrix_saving(look: &Look<'_>) -> Saving {
     sizes.of_patches.saving(&look.cost, 2.0) + look.cost.memory(light, light)
 }
 
-/// Something static, a light or the sky is not grey, or may become so; or light is solved while the scene plays, which
-/// is done in three channels at once. What was solved at the bake is stored in one where it is grey.
+/// Something static, a light or the sky is not grey, or may take a colour. What moves may have any: light is read there
+/// and comes from nowhere.
 pub fn colour(look: &Look<'_>) -> Finding {
-    // One channel of sixteen bytes' vectors of three: what is solved and gathered.
+    // Of sixteen bytes' vectors a channel stays, four: of what is solved, if it is, and of what is read.
     let sizes = &look.sizes;
-    let vectors = 7 * sizes.patches + 2 * sizes.receivers + 18 * sizes.probes + 3 * sizes.sky_patches;
-    let saving = look.cost.memory(12 * vectors, 12 * vectors);
-    let found = coloured_source(look).or_else(|| coloured_surface(look)).or_else(|| {
-        let message = "light is solved while the scene plays, three channels at once";
-        look.has(crate::scene::Feature::Matrix).then(|| Finding::needed(message, Vec::new()))
-    });
-    found
+    let solved = u64::from(look.has(Feature::Matrix)) * (6 * sizes.patches + 3 * sizes.sky_patches);
+    let vectors = solved + 2 * sizes.receivers + 18 * sizes.probes;
+    let bytes = (VECTOR - CHANNEL) * vectors;
+    let saving = look.cost.memory(bytes, bytes);
+    coloured_source(look)
+        .or_else(|| coloured_surface(look))
         .unwrap_or_else(|| Finding::not_needed("all albedo and all that shines is grey and stays so"))
         .saves(saving)
 }
@@ -239,6 +268,7 @@ mod tests {
     use super::super::made::{
         ball, constant, emitter, forced, gradient, lamp, material, moved, never, scene, wall, with,
     };
+    use super::super::{RowSizes, Sizes};
     use super::*;
     use crate::scene::assets::Assets;
     use crate::scene::{Albedo, Scene, Sky, Switching};
@@ -289,6 +319,25 @@ mod tests {
     }
 
     #[test]
+    fn many_that_are_dimmed_need_the_matrix_and_a_few_whose_responses_take_more_than_its_rows() {
+        let dimmed = Light { changes: Changes::Intensity, ..never() };
+        let lamps = |count: u64| (0..count).map(|k| lamp(k + 2, dimmed.clone()));
+        let under = |count| scene([wall(1)].into_iter().chain(lamps(count)).collect());
+        assert!(!found(matrix, &under(63)).needed);
+        let many = found(matrix, &under(64));
+        assert!(many.needed && many.entities.len() == 64, "{many:?}");
+        assert!(many.why.ends_with("and 61 more may each be dimmed by itself, and more than 64 responses are too many"));
+        // Rows of 40.8 kB, and as much in 34 responses.
+        let (assets, forced) = (Assets::default(), forced());
+        let of_patches = RowSizes { rows: 100, entries: 10_000, bytes: 4 };
+        let full = Sizes { patches: 100, of_patches, ..Sizes::default() };
+        let baked = |count, sizes| matrix(&Look::at_scene(&under(count), &assets, &forced).sized(sizes)).needed;
+        assert_eq!([33, 34].map(|count| baked(count, full)), [false, true]);
+        let empty = Sizes { patches: 100, ..Sizes::default() };
+        assert_eq!([3, 4].map(|count| baked(count, empty)), [false, true], "few are not counted");
+    }
+
+    #[test]
     fn a_free_albedo_and_a_dark_free_emission_are_no_reason() {
         let mut scene = room();
         scene.materials = vec![material(0)];
@@ -330,6 +379,8 @@ mod tests {
         let mut scene = room();
         scene.sky = Sky { kind: constant(), changes: Changes::Never };
         assert!(!found(colour, &scene).needed);
+        scene.entities.push(moved(lamp(3, never())));
+        assert!(found(matrix, &scene).needed && !found(colour, &scene).needed, "solved while it plays");
     }
 
     #[test]
@@ -344,8 +395,7 @@ mod tests {
         assert_eq!(found(colour, &walls).entities, [EntityId(1)]);
         walls.entities.push(with(ball(3), 1));
         walls.materials[0].id = crate::scene::MaterialId(1);
-        // What moves takes no part in light, but its shadow does.
-        assert!(found(colour, &walls).why.starts_with("light is solved while the scene plays"));
+        assert!(!found(colour, &walls).needed, "what moves shows light and gives none");
         let mut glowing = room();
         glowing.materials = vec![emitter(0, Changes::Never)];
         assert!(!found(colour, &glowing).needed);
