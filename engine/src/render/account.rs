@@ -201,7 +201,8 @@ impl Renderer {
             left_out.push("directional terms: no normal map on a baked surface".to_owned());
         }
         if self.spaces.channels == Channels::One {
-            left_out.push("two channels of light: nothing that it comes from or meets has a colour".to_owned());
+            left_out
+                .push("two channels of light: nothing that it comes from or meets has a colour".to_owned());
         }
         if !self.instances.any_moving() {
             left_out.push("light probes: nothing moves".to_owned());

@@ -60,7 +60,8 @@ mod tests {
 
     #[test]
     fn one_channel_takes_a_promise_that_is_kept_or_the_authors_word() {
-        let said = |forced: Option<Forced>| forced.map(|forced| (Feature::Colour, forced)).into_iter().collect();
+        let said =
+            |forced: Option<Forced>| forced.map(|forced| (Feature::Colour, forced)).into_iter().collect();
         for (forced, promised, coloured, one) in [
             (None, true, false, true),
             (None, true, true, false),

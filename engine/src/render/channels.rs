@@ -45,7 +45,9 @@ impl Channels {
     /// As it is stored.
     pub fn bytes_of(self, light: impl Iterator<Item = Vec3>) -> Vec<u8> {
         match self {
-            Self::Three => bytemuck::cast_slice(&light.map(|l| l.extend(0.0)).collect::<Vec<Vec4>>()).to_vec(),
+            Self::Three => {
+                bytemuck::cast_slice(&light.map(|l| l.extend(0.0)).collect::<Vec<Vec4>>()).to_vec()
+            }
             Self::One => bytemuck::cast_slice(&light.map(in_one).collect::<Vec<f32>>()).to_vec(),
         }
     }

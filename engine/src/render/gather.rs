@@ -101,7 +101,7 @@ impl Gather {
         let to_receivers = |first| to_receivers(gpu, &self.layout, spaces, first);
         self.receivers = to_receivers(0);
         self.directional = self.directional.take().map(|_| to_receivers(spaces.directional));
-        for probes in &mut self.probes {
+        if let Some(probes) = &mut self.probes {
             (probes.groups, probes.means) = to_probes(gpu, &self.layout, spaces);
         }
         self.channels = spaces.channels;

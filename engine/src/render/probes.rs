@@ -97,8 +97,7 @@ impl Probes {
         let light = self.light(gpu, spaces);
         let made = self.made.get_or_insert_with(|| make(gpu, transport, field));
         let drawn = Drawn { samples, channels: spaces.channels };
-        let pipeline =
-            self.pipelines.get(drawn, |gpu, module| pipeline(gpu, module, &self.layout, samples));
+        let pipeline = self.pipelines.get(drawn, |gpu, module| pipeline(gpu, module, &self.layout, samples));
         let Some(pipeline) = pipeline else { return 0 };
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, frame, &[]);

@@ -106,7 +106,8 @@ impl Sources {
         }
         held.sky = sky.clone();
         if changed != Changed::default() {
-            held.is_coloured = !held.all().all(is_grey);
+            let is_coloured = !held.all().all(is_grey);
+            held.is_coloured = is_coloured;
         }
         let exponent = unit::exponent(self.exponent, brightest.max(held.brightest()));
         if exponent != self.exponent {

@@ -131,7 +131,11 @@ impl Spaces {
     /// No light that bounced.
     pub fn forget_bounced(&self, encoder: &mut wgpu::CommandEncoder) {
         // Behind the patches lies the sky.
-        encoder.clear_buffer(&self.radiosity, 0, Some(u64::from(self.patch_count.max(1)) * self.channels.stride()));
+        encoder.clear_buffer(
+            &self.radiosity,
+            0,
+            Some(u64::from(self.patch_count.max(1)) * self.channels.stride()),
+        );
         for buffer in [&self.bounced, &self.receivers[1], &self.probes[1]] {
             encoder.clear_buffer(buffer, 0, None);
         }

@@ -26,7 +26,9 @@ fn with_directional_rows(mut transport: Transport) -> Transport {
     let rows = transport.receiver_from_patch.clone();
     for row in 0..rows.len() {
         for share in [0.3, -0.2, 0.1] {
-            transport.directional_from_patch.push(rows.row(row).map(|(column, weight)| (column, weight * share)));
+            transport
+                .directional_from_patch
+                .push(rows.row(row).map(|(column, weight)| (column, weight * share)));
         }
     }
     transport

@@ -10,11 +10,13 @@ use super::*;
 /// Light probes and a ball that reads them and casts no shadow.
 fn with_a_reader(project: &TestProject) {
     enclosure::change(project, |scene| {
-        let positions = vec![Vec3::splat(0.4), Vec3::new(1.6, 0.4, 0.5), Vec3::new(0.5, 0.4, 1.6), Vec3::splat(1.5)];
+        let positions =
+            vec![Vec3::splat(0.4), Vec3::new(1.6, 0.4, 0.5), Vec3::new(0.5, 0.4, 1.6), Vec3::splat(1.5)];
         let group = Some(LightProbeGroup { positions });
         let mut ball = Some(room::mesh(Shape::Sphere, 0));
         ball.iter_mut().for_each(|ball| ball.casts_shadows = false);
-        let transform = Transform { translation: DVec3::ONE, scale: DVec3::splat(0.2), ..Transform::default() };
+        let transform =
+            Transform { translation: DVec3::ONE, scale: DVec3::splat(0.2), ..Transform::default() };
         scene.entities.extend([
             Entity { id: EntityId(200), name: "probes".into(), light_probes: group, ..Entity::default() },
             Entity { id: EntityId(201), name: "ball".into(), mesh: ball, transform, ..Entity::default() },
@@ -60,7 +62,8 @@ fn light_probes_follow_each_source_that_is_dimmed() {
     let light = shipped(&project);
     assert_eq!(light.solved.as_ref().map(|solved| solved.responses.len()), Some(3));
     assert_eq!((full.probes.len(), full.probe_from_patch.len()), (4, 36));
-    for (on, intensity, strength) in [(true, 3.0, 1.0), (false, 3.0, 0.4), (true, 0.5, 0.0), (true, 9.0, 2.5)] {
+    for (on, intensity, strength) in [(true, 3.0, 1.0), (false, 3.0, 0.4), (true, 0.5, 0.0), (true, 9.0, 2.5)]
+    {
         enclosure::change(&project, |scene| {
             (lamp(scene).on, lamp(scene).intensity) = (on, intensity);
             scene.materials[2].emission.strength = strength;
@@ -88,7 +91,8 @@ fn open_room(sky: SkyKind) -> TestProject {
 
 #[test]
 fn a_gradient_that_is_dimmed_as_a_whole_is_one_response() {
-    let [zenith, horizon, ground] = [Vec3::new(0.2, 0.4, 1.0), Vec3::new(0.9, 0.8, 0.7), Vec3::new(0.1, 0.2, 0.1)];
+    let [zenith, horizon, ground] =
+        [Vec3::new(0.2, 0.4, 1.0), Vec3::new(0.9, 0.8, 0.7), Vec3::new(0.1, 0.2, 0.1)];
     let dimmed = |share: f32| SkyKind::Gradient {
         zenith: zenith * share,
         horizon: horizon * share,
@@ -132,7 +136,9 @@ fn many_lamps_that_are_dimmed_keep_the_matrix_and_its_file_small() {
         scene.entities.extend(more);
     });
     let told = baked(&project).transport.certificate.needs.expect("needs");
-    assert!(told.has(Feature::Matrix) && told.verdict(Feature::Matrix).why.contains("more than 64 responses"));
+    assert!(
+        told.has(Feature::Matrix) && told.verdict(Feature::Matrix).why.contains("more than 64 responses")
+    );
     let kept = shipped(&project);
     assert!(kept.solved.is_none() && !omitted(&kept).contains(&Feature::Matrix));
     let bytes = || std::fs::metadata(project.light_file()).expect("a file").len();

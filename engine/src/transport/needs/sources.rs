@@ -326,12 +326,17 @@ mod tests {
         assert!(!found(matrix, &under(63)).needed);
         let many = found(matrix, &under(64));
         assert!(many.needed && many.entities.len() == 64, "{many:?}");
-        assert!(many.why.ends_with("and 61 more may each be dimmed by itself, and more than 64 responses are too many"));
+        assert!(
+            many.why.ends_with(
+                "and 61 more may each be dimmed by itself, and more than 64 responses are too many"
+            )
+        );
         // Rows of 40.8 kB, and as much in 34 responses.
         let (assets, forced) = (Assets::default(), forced());
         let of_patches = RowSizes { rows: 100, entries: 10_000, bytes: 4 };
         let full = Sizes { patches: 100, of_patches, ..Sizes::default() };
-        let baked = |count, sizes| matrix(&Look::at_scene(&under(count), &assets, &forced).sized(sizes)).needed;
+        let baked =
+            |count, sizes| matrix(&Look::at_scene(&under(count), &assets, &forced).sized(sizes)).needed;
         assert_eq!([33, 34].map(|count| baked(count, full)), [false, true]);
         let empty = Sizes { patches: 100, ..Sizes::default() };
         assert_eq!([3, 4].map(|count| baked(count, empty)), [false, true], "few are not counted");
