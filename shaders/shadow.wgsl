@@ -1,9 +1,9 @@
-// Depth as a light sees it, nothing culled: a back face blocks too. Holes of alpha masks are left out; a
-// blended surface blocks a share of the texels that is its alpha, by ordered dither. HOLES is defined where there are
-// such.
+// Depth as a light sees it, nothing culled: a back face blocks too. Holes of alpha masks are left out, or their share
+// where they are too small for the map; a blended surface blocks a share of the texels that is its alpha. Shares are by
+// ordered dither. HOLES is defined where there are such.
 #import hohlraum::scene::mesh::moved
 #ifdef HOLES
-#import hohlraum::scene::material::{material, base_color, is, MASKED, BLENDED}
+#import hohlraum::scene::material::{material, base_color, base_picture, is, mapped, MASKED, BLENDED}
 #endif
 
 struct ShadowView {
@@ -43,12 +43,22 @@ fn moving(
 fn holes(point: Point) {
     let alpha = base_color(point.uv, point.color).a;
     if is(MASKED) {
-        if alpha < material.cutoff {
+        if alpha < threshold(point) {
             discard;
         }
     } else if is(BLENDED) && alpha <= dither(point.clip.xy + point.shift) {
         discard;
     }
+}
+#endif
+
+#ifdef HOLES
+/// The mask's own where it is seen sharply. Where a texel of the map covers several of the picture, alpha is a mean, the
+/// share that is solid, and so many texels are to block.
+fn threshold(point: Point) -> f32 {
+    let texels = mapped(material.base_map, point.uv) * vec2f(textureDimensions(base_picture));
+    let covered = max(length(dpdx(texels)), length(dpdy(texels)));
+    return mix(material.cutoff, dither(point.clip.xy + point.shift), saturate(log2(max(covered, 1.0))));
 }
 #endif
 

@@ -19,7 +19,7 @@ pub fn depths(tracer: &Tracer, transport: &Transport, unit: f64) -> Depths {
     let probes = &tracer.scene.probes;
     let blocked = |[a, b]: [u32; 2]| {
         let [a, b] = [a, b].map(|probe| probes[probe as usize]);
-        !tracer.bvh.visible(a, Vec3::ZERO, b, CHANCE, tracer.holes)
+        !tracer.bvh.free_between([a, Vec3::ZERO], [b, Vec3::ZERO], CHANCE, tracer.holes)
     };
     let edges = ProbeField::new(transport).edges();
     let mut beside: Vec<u32> =

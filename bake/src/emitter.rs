@@ -12,7 +12,7 @@ use std::f32::consts::PI;
 use glam::Vec3;
 
 use crate::directions::{Sobol, hash, unit};
-use crate::layout::{Places, RayScene};
+use crate::layout::{Places, RayScene, SAMPLES};
 use crate::rays::Tracer;
 
 /// Patches that rows are sampled towards.
@@ -20,6 +20,8 @@ pub struct Emitters {
     pub patches: Vec<u32>,
     /// By patch: is it one of those?
     pub is_emitter: Vec<bool>,
+    /// Centres and radii of `patches`.
+    balls: Vec<(Vec3, f32)>,
     sobol: Sobol,
     rays: u32,
 }
@@ -28,6 +30,10 @@ pub struct Emitters {
 const LARGE: f64 = 0.1;
 /// Beyond this many triangles a patch is sampled by area, without the polygon's form factor.
 const MANY: usize = 64;
+/// So many times more points of a patch look at an emitter that is nearer than so many times their radii: along an edge
+/// that the two share the form factor falls from a half to little within the emitter's height.
+const MORE: u32 = 16;
+const NEAR: f32 = 2.0;
 
 impl Emitters {
     /// `marked`: by patch, does its author want it sampled towards?
@@ -39,7 +45,8 @@ impl Emitters {
         let is_emitter: Vec<bool> = marked.iter().map(|&marked| marked && few).collect();
         let patches: Vec<u32> = (0..marked.len() as u32).filter(|&i| is_emitter[i as usize]).collect();
         let rays = (256 / patches.len().max(1)).next_power_of_two().clamp(4, 64) as u32;
-        Self { patches, is_emitter, sobol: Sobol::new(4 * rays), rays }
+        let balls = patches.iter().map(|&patch| ball(scene, patch as usize)).collect();
+        Self { patches, is_emitter, balls, sobol: Sobol::new(4 * rays), rays }
     }
 
     /// The same with this many shadow rays towards each patch, a power of two of at least 4.
@@ -59,22 +66,23 @@ impl Emitters {
         row
     }
 
-    /// The mean of the above over points of a patch.
-    pub fn patch_row(&self, tracer: &Tracer, patch: usize, points: u32) -> Vec<(u32, f64)> {
+    /// The mean of the above over points of a patch: more of them for emitters that are near. `sobol`: of [`points`].
+    pub fn patch_row(&self, tracer: &Tracer, patch: usize, sobol: &Sobol) -> Vec<(u32, f64)> {
         let places = Places::of(tracer.scene, patch);
         let key = tracer.scene.patch_keys[patch];
-        let mut sums = vec![0.0; self.patches.len()];
+        let (centre, radius) = ball(tracer.scene, patch);
         let rays = (self.rays / 4).max(4);
-        for k in 0..points {
-            let [u, v, ..] = self.sobol.point(k, key ^ 0xe1);
+        let share = |emitter: u32, k: u32| {
+            let [u, v, ..] = sobol.point(k, key ^ 0xe1);
             let (position, normal, _) = places.at(u, v);
-            for (sum, &emitter) in sums.iter_mut().zip(&self.patches) {
-                *sum +=
-                    f64::from(self.share(tracer, position, normal, emitter, hash(key ^ u64::from(k)), rays));
-            }
-        }
-        let shares = self.patches.iter().zip(sums).map(|(&patch, sum)| (patch, sum / f64::from(points)));
-        shares.filter(|share| share.1 > 0.0).collect()
+            f64::from(self.share(tracer, position, normal, emitter, hash(key ^ u64::from(k)), rays))
+        };
+        let mean = |(&emitter, &(its_centre, its_radius)): (&u32, &(Vec3, f32))| {
+            let is_near = centre.distance(its_centre) < NEAR * (radius + its_radius);
+            let points = if is_near { MORE * SAMPLES } else { SAMPLES };
+            (emitter, (0..points).map(|k| share(emitter, k)).sum::<f64>() / f64::from(points))
+        };
+        self.patches.iter().zip(&self.balls).map(mean).filter(|share| share.1 > 0.0).collect()
     }
 
     fn share(&self, tracer: &Tracer, position: Vec3, normal: Vec3, patch: u32, key: u64, rays: u32) -> f32 {
@@ -140,7 +148,7 @@ impl Emitters {
             if carried > 0.0 && carried.is_finite() {
                 let chance = unit(hash(seed ^ u64::from(k)) as u32);
                 sums.all += carried;
-                if tracer.bvh.visible(position, normal, at, chance, tracer.holes) {
+                if tracer.bvh.free_between([position, normal], [at, facing], chance, tracer.holes) {
                     sums.seen += carried;
                     sums.weighted += of(way / distance2.sqrt()) * carried;
                 }
@@ -226,4 +234,18 @@ mod tests {
         assert_eq!(seen(Vec3::new(0.5, 0.0, 0.5), Vec3::Y, 1.0, true), 0.0);
         assert_eq!(seen(Vec3::new(0.5, 0.0, 0.5), -Vec3::Y, 1.0, false), 0.0);
     }
+}
+
+/// Points of patches for [`Emitters::patch_row`].
+pub fn points() -> Sobol {
+    Sobol::new(MORE * SAMPLES)
+}
+
+/// The middle of a patch's box, and its farthest corner's distance from there.
+fn ball(scene: &RayScene, patch: usize) -> (Vec3, f32) {
+    let corners = || scene.triangles[scene.patch_triangles[patch].clone()].iter().flatten();
+    let low = corners().fold(Vec3::INFINITY, |low, p| low.min(*p));
+    let high = corners().fold(Vec3::NEG_INFINITY, |high, p| high.max(*p));
+    let centre = low.midpoint(high);
+    (centre, corners().fold(0.0, |radius: f32, p| radius.max(p.distance(centre))))
 }

@@ -18,9 +18,9 @@ use crate::cache::Cache;
 use crate::certify::certify_rows;
 use crate::depth::depths;
 use crate::directions::{Sobol, hash, hash_of, sphere_direction, unit};
-use crate::emitter::Emitters;
+use crate::emitter::{self, Emitters};
 use crate::holes::AlphaHoles;
-use crate::layout::{Layout, RayScene, SAMPLES, layout};
+use crate::layout::{Layout, RayScene, layout};
 use crate::overlap::covered;
 use crate::probe::{ProbeRow, probe_row};
 use crate::rays::{Hits, Seen, Tracer};
@@ -241,8 +241,9 @@ pub fn sampled(scene: &Scene, transport: &Transport) -> Vec<bool> {
 pub type Towards = Vec<Vec<(u32, f64)>>;
 
 pub fn patches_towards_emitters(tracer: &Tracer, emitters: &Emitters) -> Result<Towards, BakeError> {
+    let points = emitter::points();
     rows_towards(tracer, emitters, "patches towards emitters", tracer.scene.patch_areas.len(), |i| {
-        if emitters.is_emitter[i] { Vec::new() } else { emitters.patch_row(tracer, i, SAMPLES) }
+        if emitters.is_emitter[i] { Vec::new() } else { emitters.patch_row(tracer, i, &points) }
     })
 }
 

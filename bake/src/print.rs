@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use bake::Plan;
 use engine::transport::Certificate;
-use engine::transport::needs::{Needs, Verdict};
+use engine::transport::needs::{Needs, Verdict, bytes};
 
 /// The one object on stdout.
 pub fn json(value: &impl serde::Serialize) {
@@ -98,15 +98,6 @@ fn list(title: &str, lines: &[String]) -> String {
         return String::new();
     }
     lines.iter().fold(format!("{title}\n"), |text, line| text + &format!("  {line}\n"))
-}
-
-fn bytes(bytes: u64) -> String {
-    match bytes {
-        0..1_000 => format!("{bytes} B"),
-        1_000..1_000_000 => format!("{:.1} kB", bytes as f64 * 1e-3),
-        1_000_000..1_000_000_000 => format!("{:.1} MB", bytes as f64 * 1e-6),
-        _ => format!("{:.2} GB", bytes as f64 * 1e-9),
-    }
 }
 
 #[cfg(test)]

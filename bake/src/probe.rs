@@ -114,7 +114,9 @@ fn towards(
         let distance = way.length();
         let solid_angle = area * (-facing.dot(way)).max(0.0) / (distance * distance * distance * rays as f32);
         let chance = unit(hash(seed ^ u64::from(k)) as u32);
-        if solid_angle > 0.0 && tracer.bvh.visible(position, Vec3::ZERO, at, chance, tracer.holes) {
+        if solid_angle > 0.0
+            && tracer.bvh.free_between([position, Vec3::ZERO], [at, facing], chance, tracer.holes)
+        {
             add(&mut weights, way / distance, f64::from(solid_angle.min(4.0 * PI) / PI));
         }
     }

@@ -8,8 +8,8 @@ use std::collections::HashMap;
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-use spade::handles::FixedVertexHandle;
-use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
+use spade::handles::{FaceHandle, FixedVertexHandle, InnerTag};
+use spade::{CdtEdge, ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
 
 use crate::Watcher;
 use crate::chart::{Affine, Chart, Charts};
@@ -132,6 +132,7 @@ impl HasPosition for Point {
 }
 
 type Cdt = ConstrainedDelaunayTriangulation<Point>;
+type Face<'a> = FaceHandle<'a, InnerTag, Point, (), CdtEdge<()>, ()>;
 
 fn split_chart(
     surface: &Surface,
@@ -294,12 +295,21 @@ fn fill_cell(
     }
 }
 
-/// Is a point well away from the vertices and constraints of the triangle that it would divide?
+/// Is a point well away from the vertices and constraints of the triangles that it would divide? Two where it lies on the
+/// side between them, as the rows of a grid do where the points on an outline are as far apart.
 fn is_clear(cdt: &Cdt, p: DVec2, step: f64) -> bool {
-    let spade::PositionInTriangulation::OnFace(face) = cdt.locate(Point2::new(p.x, p.y)) else {
-        return false;
-    };
-    let face = cdt.face(face);
+    match cdt.locate(Point2::new(p.x, p.y)) {
+        spade::PositionInTriangulation::OnFace(face) => is_clear_in(cdt.face(face), p, step),
+        spade::PositionInTriangulation::OnEdge(edge) => {
+            let edge = cdt.directed_edge(edge);
+            let mut beside = [edge.face(), edge.rev().face()].into_iter().filter_map(|face| face.as_inner());
+            !edge.is_constraint_edge() && beside.all(|face| is_clear_in(face, p, step))
+        }
+        _ => false,
+    }
+}
+
+fn is_clear_in(face: Face, p: DVec2, step: f64) -> bool {
     let far_from_edges = face.adjacent_edges().iter().all(|edge| {
         let ends = [edge.from().data().flat, edge.to().data().flat];
         !edge.is_constraint_edge() || foot(ends, p).distance(p) > 0.4 * step
@@ -347,4 +357,53 @@ fn read_off(surface: &Surface, chart: &Chart, cdt: &Cdt) -> Fine {
         fine.triangles.push(FineTriangle { corners, batch, cut });
     }
     fine
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use engine::scene::assets::Assets;
+    use engine::scene::shape::{self, Shape};
+    use engine::scene::{Entity, EntityId, MeshRenderer, MeshSource, Scene, Transform};
+
+    use super::*;
+    use crate::layout::layout;
+    use crate::surface::sanitise;
+
+    /// The longest side of a triangle in a rectangle whose pieces are to be `spacing` long, in spacings.
+    fn longest_side(width: f64, height: f64, spacing: f64) -> f32 {
+        let mesh = MeshSource::Shape(Shape::Plane);
+        let renderer = MeshRenderer {
+            mesh: mesh.clone(),
+            materials: Vec::new(),
+            casts_shadows: true,
+            density: Default::default(),
+            reflection: Default::default(),
+        };
+        let transform = Transform { scale: DVec3::new(width, 1.0, height), ..Transform::default() };
+        let plane =
+            Entity { id: EntityId(1), is_static: true, mesh: Some(renderer), transform, ..Entity::default() };
+        let scene = Scene { entities: vec![plane], ..Scene::default() };
+        let mut assets = Assets::default();
+        assets.meshes.insert(mesh, Arc::new(shape::mesh(Shape::Plane)));
+        let surface = sanitise(&scene, &assets).unwrap();
+        let transport = layout(&scene, &assets, &surface, 2.0 * spacing, &crate::Silent).unwrap().transport;
+        let longest = |t: usize| {
+            let [a, b, c] = transport.surface.positions(t);
+            a.distance(b).max(b.distance(c)).max(c.distance(a))
+        };
+        (0..transport.surface.triangles.len()).map(longest).fold(0.0, f32::max) / spacing as f32
+    }
+
+    #[test]
+    fn no_point_of_the_grid_is_lost_where_it_lies_on_a_side() {
+        for step in 0..40 {
+            let spacing = 0.12 + 0.005 * f64::from(step);
+            for [width, height] in [[2.2, 2.0], [6.0, 3.2], [2.0, 2.0]] {
+                let longest = longest_side(width, height, spacing);
+                assert!(longest < 2.2, "{width} x {height} m, {spacing:.3} m apart: a side of {longest}");
+            }
+        }
+    }
 }

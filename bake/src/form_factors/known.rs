@@ -131,7 +131,7 @@ impl<'a> Shadows<'a> {
         for k in 0..rays {
             let [u, v, s, t] = self.sobol.point(k, key);
             let (from, normal, _) = a.at(u, v);
-            let Some((to, carried)) = (if is_near {
+            let Some((to, facing, carried)) = (if is_near {
                 self.towards(pair.patches[1], from, normal, [s, t])
             } else {
                 even(b, from, normal, [s, t])
@@ -140,7 +140,7 @@ impl<'a> Shadows<'a> {
             };
             all += carried;
             let chance = unit(hash(key ^ u64::from(k)) as u32);
-            if self.tracer.bvh.visible(from, normal, to, chance, self.tracer.holes) {
+            if self.tracer.bvh.free_between([from, normal], [to, facing], chance, self.tracer.holes) {
                 seen += carried;
             }
         }
@@ -152,8 +152,8 @@ impl<'a> Shadows<'a> {
         a.zip(b).is_some_and(|(a, b)| a.centre.distance(b.centre) < NEAR * (a.radius + b.radius))
     }
 
-    /// A point of a near patch, even over its solid angle, and cos * solid angle.
-    fn towards(&self, patch: u32, from: Vec3, normal: Vec3, [s, t]: [f32; 2]) -> Option<(Vec3, f64)> {
+    /// A point of a near patch, even over its solid angle, its normal, and cos * solid angle.
+    fn towards(&self, patch: u32, from: Vec3, normal: Vec3, [s, t]: [f32; 2]) -> Option<(Vec3, Vec3, f64)> {
         let scene = self.tracer.scene;
         let flat = self.facets[patch as usize].flat.as_ref()?;
         let (at, up) = (from.as_dvec3(), normal.as_dvec3());
@@ -170,8 +170,8 @@ impl<'a> Shadows<'a> {
             if target < seen.solid_angle {
                 let direction = seen.direction(target / seen.solid_angle, f64::from(t));
                 let (cos, fall) = (up.dot(direction), -flat.normal.dot(direction));
-                return (cos > 0.0 && fall > 0.0)
-                    .then(|| ((at + direction * (height / fall)).as_vec3(), cos * whole));
+                let to = || (at + direction * (height / fall)).as_vec3();
+                return (cos > 0.0 && fall > 0.0).then(|| (to(), flat.normal.as_vec3(), cos * whole));
             }
             target -= seen.solid_angle;
         }
@@ -179,13 +179,13 @@ impl<'a> Shadows<'a> {
     }
 }
 
-/// A point of a patch, even by area, and cos cos / r^2.
-fn even(places: &Places, from: Vec3, normal: Vec3, [s, t]: [f32; 2]) -> Option<(Vec3, f64)> {
+/// A point of a patch, even by area, its normal, and cos cos / r^2.
+fn even(places: &Places, from: Vec3, normal: Vec3, [s, t]: [f32; 2]) -> Option<(Vec3, Vec3, f64)> {
     let (to, facing, _) = places.at(s, t);
     let way = to - from;
     let r2 = way.length_squared();
     let carried = normal.dot(way).max(0.0) * (-facing.dot(way)).max(0.0) / (r2 * r2);
-    (carried > 0.0 && carried.is_finite()).then_some((to, f64::from(carried)))
+    (carried > 0.0 && carried.is_finite()).then_some((to, facing, f64::from(carried)))
 }
 
 #[cfg(test)]

@@ -180,7 +180,8 @@ impl PathTracer {
         let towards = self.sources.towards(&self.world, position, numbers.four(decision + EMITTER))?;
         let above = normal == Vec3::ZERO || normal.as_dvec3().dot(towards.direction) > 0.0;
         let chance = numbers.one(decision + SHADOW);
-        (above && self.world.visible(position, normal, towards.position, chance)).then_some(towards)
+        let end = [towards.position, towards.facing];
+        (above && self.world.free_between([position, normal], end, chance)).then_some(towards)
     }
 
     /// What a path carries on, if it goes on.

@@ -26,6 +26,8 @@ pub struct Sources {
 pub struct Towards {
     pub direction: DVec3,
     pub position: Vec3,
+    /// Of the emitter, on the side that is seen.
+    pub facing: Vec3,
     /// Times the share of the point that is there [W/m2/sr].
     pub radiance: DVec3,
     /// Per solid angle.
@@ -61,10 +63,13 @@ impl Sources {
         let distance = way.length();
         let direction = way / distance;
         let density = self.density(world, triangle, direction, distance);
+        let normal = world.normal(triangle);
+        let facing = if normal.as_dvec3().dot(direction) > 0.0 { -normal } else { normal };
         let radiance = world.emission(triangle, [p, q]) * f64::from(world.coverage(triangle, [p, q]));
         (density.is_finite() && density > 0.0 && radiance.max_element() > 0.0).then_some(Towards {
             direction,
             position,
+            facing,
             radiance,
             density,
         })

@@ -169,6 +169,11 @@ impl World {
         self.bvh.closest(ray.origin, ray.normal, ray.direction, chance, self)
     }
 
+    /// Is the way between points, each moved off its surface along that one's normal, free?
+    pub fn free_between(&self, from: [Vec3; 2], to: [Vec3; 2], chance: f32) -> bool {
+        self.bvh.free_between(from, to, chance, self)
+    }
+
     /// Is the way from a point, moved off its surface, free?
     pub fn visible(&self, from: Vec3, normal: Vec3, to: Vec3, chance: f32) -> bool {
         self.bvh.visible(from, normal, to, chance, self)

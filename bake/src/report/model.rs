@@ -100,6 +100,8 @@ pub struct Series {
     pub points: Vec<Point>,
     /// Its own, above the diagram's.
     pub floor: Option<Floor>,
+    /// Why it goes no further, where that is neither its floor nor the budget.
+    pub ends: Option<String>,
 }
 
 #[derive(Clone, Debug, Default, Serialize)]
@@ -209,7 +211,7 @@ pub struct Advice {
 impl Series {
     /// Without a floor of its own.
     pub fn new(name: impl Into<String>, points: Vec<Point>) -> Self {
-        Self { name: name.into(), points, floor: None }
+        Self { name: name.into(), points, ..Self::default() }
     }
 }
 

@@ -187,6 +187,8 @@ fn advice(report: &Report) -> Markup {
 /// Every method that has more than one point, and a floor to fall to.
 fn curves(told: &Told) -> Markup {
     let curves: Vec<&Trend> = told.trends.iter().filter(|trend| trend.is_curve()).collect();
+    let reached =
+        |trend: &Trend| if trend.reaches { "yes" } else { trend.ends.as_deref().unwrap_or("yes") }.to_owned();
     let is = |trend: &Trend| match (trend.falls, trend.reaches) {
         (true, true) => "yes",
         (false, true) => "rises on the way",
@@ -211,7 +213,7 @@ fn curves(told: &Told) -> Markup {
                                     td.n { (share(trend.floor)) }
                                     td { (trend.floor_name) }
                                     td.n { (factor(trend.least / trend.floor)) }
-                                    td { (verdict(trend.holds(), "yes", is(trend))) }
+                                    td { (verdict(trend.holds(), &reached(trend), is(trend))) }
                                 }
                             }
                         }

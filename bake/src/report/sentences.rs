@@ -81,8 +81,14 @@ pub fn of_curves(trends: &[Trend]) -> String {
     let (good, bad): (Vec<&Trend>, Vec<&Trend>) =
         trends.iter().filter(|trend| trend.is_curve()).partition(|trend| trend.holds());
     let count = good.len() + bad.len();
+    let mut cut: Vec<&str> =
+        good.iter().filter(|trend| !trend.reaches).filter_map(|trend| trend.ends.as_deref()).collect();
+    let number = cut.len();
+    cut.dedup();
+    let or =
+        if number > 0 { format!(", or ({number} of them) {}", cut.join(", or ")) } else { String::new() };
     if bad.is_empty() {
-        return format!("All {count} curves fall until within twice their floors.");
+        return format!("All {count} curves fall until within twice their floors{or}.");
     }
     let named: Vec<String> = bad
         .iter()
@@ -94,7 +100,8 @@ pub fn of_curves(trends: &[Trend]) -> String {
             format!("{} ({}) {how}", trend.series, trend.diagram)
         })
         .collect();
-    format!("{} of {count} curves fall until within twice their floors. {}.", good.len(), named.join("; "))
+    let named = named.join("; ");
+    format!("{} of {count} curves fall until within twice their floors{or}. {named}.", good.len())
 }
 
 /// How many shipped settings lie on the front.
@@ -188,10 +195,12 @@ fn of_leading(diagram: &Diagram, series: &Series) -> String {
         None => format!("{name}: the error goes {range}."),
     };
     let rises = if trend.falls { "" } else { " It rises on the way, above twice its floor." };
-    let ends = if trend.is_curve() && !trend.reaches {
-        format!(" It ends at {} times its floor.", factor(trend.least / trend.floor))
-    } else {
-        String::new()
+    let ends = match &trend.ends {
+        Some(ends) => format!(" It goes {ends}."),
+        None if trend.is_curve() && !trend.reaches => {
+            format!(" It ends at {} times its floor.", factor(trend.least / trend.floor))
+        }
+        None => String::new(),
     };
     slope + rises + &ends
 }

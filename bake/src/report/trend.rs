@@ -28,6 +28,8 @@ pub struct Trend {
     pub falls: bool,
     /// Some point is within twice a floor that has a name.
     pub reaches: bool,
+    /// Why it goes no further, where that is neither its floor nor the budget.
+    pub ends: Option<String>,
 }
 
 impl Trend {
@@ -36,9 +38,9 @@ impl Trend {
         self.points > 1 && !self.floor_name.is_empty()
     }
 
-    /// Falls until within twice its floor.
+    /// Falls until within twice its floor, or as far as anything can.
     pub fn holds(&self) -> bool {
-        self.falls && self.reaches
+        self.falls && (self.reaches || self.ends.is_some())
     }
 }
 
@@ -73,6 +75,7 @@ pub fn trend(diagram: &Diagram, series: &Series) -> Trend {
         least: if least.is_finite() { least } else { 0.0 },
         falls: until(AT_FLOOR * floor).windows(2).all(|pair| pair[1][1] <= NOISE * pair[0][1]),
         reaches: known.is_some() && least <= AT_FLOOR * floor,
+        ends: series.ends.clone(),
     }
 }
 
@@ -121,6 +124,20 @@ mod tests {
         assert!(!trend_of(&[[1.0, 1.0], [2.0, 0.5]], &[]).is_curve());
         // Of two floors the higher one is met first.
         assert!(trend_of(&[[1.0, 1.0], [2.0, 0.21]], &[0.01, 0.11]).holds());
+    }
+
+    #[test]
+    fn a_curve_that_can_go_no_further_holds_if_it_falls() {
+        let point =
+            |[x, rms]: [f64; 2]| Point { x, error: Error { rms, ..Error::default() }, ..Point::default() };
+        let of = |points: [[f64; 2]; 2]| Series {
+            ends: Some("as far as a frame lasts".to_owned()),
+            ..Series::new("products", points.map(point).to_vec())
+        };
+        let floors = vec![Floor { name: "rounding".to_owned(), y: 0.01 }];
+        let diagram = Diagram { floors, ..Diagram::default() };
+        assert!(trend(&diagram, &of([[1.0, 1.0], [2.0, 0.5]])).holds());
+        assert!(!trend(&diagram, &of([[1.0, 1.0], [2.0, 1.5]])).holds());
     }
 
     #[test]

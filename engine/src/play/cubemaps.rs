@@ -45,13 +45,7 @@ impl Cubemaps {
             return Ok(());
         }
         let settings = Settings { wait: true, products: None, ..settings };
-        let mut renderer = Renderer::asked(
-            gpu.clone(),
-            world.transport.clone(),
-            &world.assets,
-            settings,
-            world.features.clone(),
-        )?;
+        let mut renderer = world.renderer(gpu, settings)?;
         let display = texture::target(gpu, "preparation", [16, 16], 1, wgpu::TextureFormat::Rgba8UnormSrgb);
         let world_from_local = world.placed_at(0.0);
         let (scene, assets, view) = (&world.scene, &world.assets, View::Composite);

@@ -22,13 +22,7 @@ pub fn run(options: &Options, mut world: World) -> Result<(), PlayError> {
     let (unlimited_gain, products) = (world.unlimited_gain, options.products);
     let settings = Settings { wait: true, unlimited_gain, products, ..Settings::default() };
     world.cubemaps.prepare(&gpu, &world, settings)?;
-    let mut renderer = Renderer::asked(
-        gpu.clone(),
-        world.transport.clone(),
-        &world.assets,
-        settings,
-        world.features.clone(),
-    )?;
+    let mut renderer = world.renderer(&gpu, settings)?;
     renderer.give_cubemaps(world.cubemaps.load(&world.scene));
     let display = texture::target(&gpu, "display", options.size, 1, wgpu::TextureFormat::Rgba8UnormSrgb);
     let mut statistics = Statistics::new(options.stats.as_deref());

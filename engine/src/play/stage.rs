@@ -66,13 +66,7 @@ impl Stage {
             ..Settings::default()
         };
         world.cubemaps.prepare(&gpu, world, settings)?;
-        let mut renderer = Renderer::asked(
-            gpu.clone(),
-            world.transport.clone(),
-            &world.assets,
-            settings,
-            world.features.clone(),
-        )?;
+        let mut renderer = world.renderer(&gpu, settings)?;
         renderer.give_cubemaps(world.cubemaps.load(&world.scene));
         Ok(Self { window, instance, surface, config, gpu, renderer })
     }

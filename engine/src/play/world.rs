@@ -8,7 +8,8 @@ use glam::{DAffine3, DVec3};
 
 use super::cubemaps::Cubemaps;
 use super::{PlayError, baked};
-use crate::render::{Asked, Eye, Renderer};
+use crate::gpu::Gpu;
+use crate::render::{Asked, Eye, RenderError, Renderer, Settings};
 use crate::scene::assets::{Assets, ClipSource};
 use crate::scene::import::load_assets;
 use crate::scene::motion::moved;
@@ -100,6 +101,11 @@ impl World {
         }
         self.needs = needs_in_play(&self.scene, &self.assets, &self.transport, &self.forced);
         self.left_out.push("all that moves: asked for by --still".to_owned());
+    }
+
+    /// What draws it.
+    pub fn renderer(&self, gpu: &Arc<Gpu>, settings: Settings) -> Result<Renderer, RenderError> {
+        Renderer::asked(gpu.clone(), self.transport.clone(), &self.assets, settings, self.features.clone())
     }
 
     /// After the first frame: which reflection probes show nothing.

@@ -28,7 +28,7 @@ pub struct Bounce {
     patch_count: u32,
     tally: wgpu::Buffer,
     /// Tagged with the version of the light and the unit of its radiosity.
-    readback: Readback<(u64, f32)>,
+    readback: Readback<((u64, f32), u32)>,
     sending: Option<usize>,
 }
 
@@ -113,7 +113,7 @@ impl Bounce {
             dispatches += coarse.correct(&mut pass);
         }
         drop(pass);
-        self.sending = self.readback.copy(encoder, &self.tally, tag);
+        self.sending = self.readback.copy(encoder, &self.tally, (tag, products));
         dispatches
     }
 
@@ -124,8 +124,9 @@ impl Bounce {
 
     /// What has arrived, oldest first.
     pub fn receive(&mut self) -> impl Iterator<Item = Measured> {
-        self.readback.receive::<f32>().into_iter().map(|((version, unit), tally)| Measured {
+        self.readback.receive::<f32>().into_iter().map(|(((version, unit), products), tally)| Measured {
             version,
+            products,
             residual: tally[0] * unit,
             largest: tally[1] * unit,
             exitance: tally[2] * unit,

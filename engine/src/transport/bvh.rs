@@ -105,18 +105,16 @@ impl Bvh {
             let Some((t, barycentric, back)) = meet(origin, direction, &self.corners[i]) else {
                 return f32::INFINITY;
             };
-            // A back face gives way to a front face in the same place: two rooms may share a wall without
-            // thickness. Of front faces in the same place, which rounding parts, the one of the lower number is met,
-            // whatever order the tree has.
-            let t = if back { t * (1.0 + 4.0 * f32::EPSILON) + self.offset } else { t };
+            // In the same place, which rounding parts, lie triangles that are parallel too: a wall beside the foot of
+            // another parts rooms. There a back face gives way to a front face, as two rooms may share a wall without
+            // thickness, and of equals the one of the lower number is met, whatever order the tree has.
             let triangle = self.triangle_of[i];
             let in_one_place = |best: &Hit| {
-                best.back == back
-                    && (best.t - t).abs() <= self.offset
-                    && is_parallel(best_corners, &self.corners[i])
+                (best.t - t).abs() <= self.offset + 4.0 * f32::EPSILON * t
+                    && is_parallel(best_corners, &self.corners[i], best.back == back)
             };
             let is_before = |best: Hit| match in_one_place(&best) {
-                true => best.triangle <= triangle,
+                true => (best.back, best.triangle) <= (back, triangle),
                 false => (best.t, best.triangle) <= (t, triangle),
             };
             if best.is_some_and(is_before) || self.open(triangle, barycentric, chance, holes) {
@@ -125,7 +123,7 @@ impl Bvh {
             best = Some(Hit { triangle, t, barycentric, back });
             best_corners = &self.corners[i];
             // Nodes in the same place must still be looked at.
-            t * (1.0 + f32::EPSILON) + self.offset
+            t * (1.0 + 4.0 * f32::EPSILON) + self.offset
         });
         best
     }
@@ -155,7 +153,23 @@ impl Bvh {
         hit.t / self.scale
     }
 
-    /// Is the way from `from` (moved off its surface) to `to` free, but for the triangles that `to` lies on?
+    /// Is the way between points of two surfaces free, each moved off its own along a unit normal (zero: in free
+    /// space)? Whatever stands between them hides the one from the other, however near to either it is.
+    pub fn free_between(
+        &self,
+        [from, normal]: [Vec3; 2],
+        [to, facing]: [Vec3; 2],
+        chance: f32,
+        holes: &dyn Holes,
+    ) -> bool {
+        let [origin, end] = [(from, normal), (to, facing)].map(|(p, n)| p * self.scale + n * self.offset);
+        let way = end - origin;
+        let length = way.length();
+        length == 0.0 || self.free(origin, way / length, length, chance, holes)
+    }
+
+    /// Is the way from `from` (moved off its surface) to `to` free, but for the triangles that `to` lies on? Where it is
+    /// known what that is, [`Bvh::free_between`] overlooks nothing beside it.
     pub fn visible(&self, from: Vec3, normal: Vec3, to: Vec3, chance: f32, holes: &dyn Holes) -> bool {
         if self.corners.is_empty() {
             return true;
@@ -199,10 +213,11 @@ fn unsigned(direction: Vec3) -> Vec3A {
     Vec3A::from(direction) + Vec3A::ZERO
 }
 
-/// Do two triangles face the same way? Walls that meet in a corner are as near to each other, and part rooms.
-fn is_parallel(a: &[Vec3A; 3], b: &[Vec3A; 3]) -> bool {
+/// Do two triangles face the same way, or opposite ways?
+fn is_parallel(a: &[Vec3A; 3], b: &[Vec3A; 3], same: bool) -> bool {
     let [a, b] = [a, b].map(|corners| (corners[1] - corners[0]).cross(corners[2] - corners[0]));
-    a.dot(b) > 0.999 * (a.length_squared() * b.length_squared()).sqrt()
+    let cosine = if same { a.dot(b) } else { -a.dot(b) };
+    cosine > 0.999 * (a.length_squared() * b.length_squared()).sqrt()
 }
 
 /// (t > 0, weights of the second and third corner, seen from behind).
@@ -280,6 +295,30 @@ mod tests {
                 assert!(!bvh.visible(from, Vec3::ZERO, to, 0.0, &Solid), "{distance} {far}");
                 assert!(bvh.visible(from, Vec3::ZERO, -to, 0.0, &Solid), "{distance} {far}");
             }
+        }
+    }
+
+    #[test]
+    fn a_sheet_hides_what_lies_behind_it_however_near() {
+        let rectangle = |a: Vec3, u: Vec3, v: Vec3| [[a, a + u, a + u + v], [a, a + u + v, a + v]];
+        let floor = rectangle(Vec3::ZERO, Vec3::Z, Vec3::X * 2.0);
+        let wall = rectangle(Vec3::ZERO, Vec3::Y, Vec3::Z);
+        let sheet = rectangle(Vec3::X, Vec3::Y, Vec3::Z);
+        let bvh = Bvh::new(&[floor, wall, sheet].concat(), Vec::new());
+        let wall = [Vec3::new(0.0, 0.5, 0.5), Vec3::X];
+        // What rounding of a point's own place leaves open.
+        for ulps in 8..1000_u32 {
+            let beside = |x: u32| [Vec3::new(f32::from_bits(x), 0.0, 0.4), Vec3::Y];
+            let one = 1.0_f32.to_bits();
+            let [before, behind] = [beside(one - ulps), beside(one + ulps)];
+            assert!(bvh.free_between(wall, before, 0.0, &Solid), "{before:?}");
+            assert!(bvh.free_between(before, wall, 0.0, &Solid), "{before:?}");
+            assert!(!bvh.free_between(wall, behind, 0.0, &Solid), "{behind:?}");
+            assert!(!bvh.free_between(behind, wall, 0.0, &Solid), "{behind:?}");
+            assert!(!bvh.free_between(behind, before, 0.0, &Solid), "{behind:?}");
+            let way = (behind[0] - wall[0]).normalize();
+            let met = bvh.closest(wall[0], wall[1], way, 0.0, &Solid).expect("a closed way");
+            assert!(met.triangle >= 4, "the sheet, not the floor behind it: {met:?}");
         }
     }
 

@@ -255,6 +255,32 @@ mod tests {
         sections.iter().map(|section| section.0.as_str()).collect()
     }
 
+    /// As version 1 wrote it: what is empty is a section of no bytes.
+    #[test]
+    fn files_of_the_first_version_are_read_as_they_are() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("light");
+        let transport = transport(0.02);
+        save(&path, &transport).unwrap();
+        let bytes = std::fs::read(&path).unwrap();
+        let header_end = 16 + u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+        let mut header: Header = serde_json::from_slice(&bytes[16..header_end]).unwrap();
+        for name in ["probes", "samples", "probe.starts", "probe.columns", "probe.weights"] {
+            header.sections.push(Section { name: name.to_owned(), offset: 0, length: 0 });
+        }
+        let json = serde_json::to_vec(&header).unwrap();
+        let mut old = MAGIC.to_vec();
+        old.extend(1_u32.to_le_bytes());
+        old.extend((json.len() as u32).to_le_bytes());
+        old.extend(json);
+        old.resize(old.len().next_multiple_of(64), 0);
+        old.extend(&bytes[header_end.next_multiple_of(64)..bytes.len() - 32]);
+        let sum = blake3::hash(&old);
+        old.extend(sum.as_bytes());
+        std::fs::write(&path, old).unwrap();
+        assert_eq!(load(&path).unwrap().hash(), transport.hash());
+    }
+
     #[test]
     fn what_is_empty_is_absent() {
         let sections = assert_comes_back(&transport(0.02));

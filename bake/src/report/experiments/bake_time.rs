@@ -1,12 +1,13 @@
 //! Bake seconds against error: rays and patch lengths, every point a clean bake of this run.
 //!
 //! Three diagrams of the same bakes. All of the error: what a bake shows, solved exactly, against the path tracer; one
-//! line a patch length, its points rays; the shipped presets are marked. Form factors alone: bakes of the shipped patch
-//! length against the matrix reference on the same patches. Patches alone: patch lengths at the most rays.
+//! line a patch length, its points rays; the shipped presets are marked. Form factors alone: bakes of the longest
+//! patches, for which many rays take least time, against the matrix reference on the same patches. Patches alone: patch
+//! lengths at the most rays.
 
 use engine::scene::file::Quality;
 
-use super::bakes::{Bakes, BesideMatrix, Made, Recipe, metres};
+use super::bakes::{Bakes, Made, OfLength, Recipe, metres};
 use super::lit::weights;
 use super::matrix::Exactly;
 use super::truth::Truth;
@@ -21,8 +22,11 @@ pub struct Preset {
     pub recipe: Recipe,
 }
 
-/// Rays of the lines; patch lengths are the presets' and those between.
+/// Rays of the lines, and what the longest patches have besides; patch lengths are the presets' and those between.
 const RAYS: [u32; 4] = [64, 256, 1024, 4096];
+const RAYS_OF_LONGEST: u32 = 8192;
+/// Lengths that are closer have none between.
+const APART: f64 = 1.9;
 /// With which every patch length is baked before anything is refined.
 const FEW_RAYS: u32 = 256;
 /// At most so much of what is left goes into one bake that refines.
@@ -41,7 +45,12 @@ pub fn presets(opened: &Opened) -> Result<Vec<Preset>, BakeError> {
     [Quality::Draft, Quality::Standard, Quality::Fine].into_iter().map(of).collect()
 }
 
-/// Bakes what the budget allows, first what every diagram needs: the presets, the shipped length with all rays, all
+/// The longest patches of all presets: what they show against the matrix reference is the diagram of form factors.
+pub fn longest(presets: &[Preset]) -> f64 {
+    presets.iter().map(|preset| preset.recipe.length).fold(0.0, f64::max)
+}
+
+/// Bakes what the budget allows, first what every diagram needs: the presets, the longest patches with all rays, all
 /// lengths with few; then the presets again, for a median of three; then what refines the lines, cheap points first.
 pub fn bake_all(
     bakes: &mut Bakes,
@@ -89,10 +98,12 @@ struct Wanted {
 
 /// The cheapest of the lines to begin with, for nothing is known of time before.
 fn wanted(presets: &[Preset], shipped: Recipe) -> Wanted {
+    let longest = longest(presets);
     let mut lengths: Vec<f64> = presets.iter().map(|preset| preset.recipe.length).collect();
     lengths.sort_by(|a, b| b.total_cmp(a));
     lengths.dedup();
-    let between: Vec<f64> = lengths.windows(2).map(|pair| (pair[0] * pair[1]).sqrt()).collect();
+    let between = |pair: &[f64]| (pair[0] > APART * pair[1]).then(|| (pair[0] * pair[1]).sqrt());
+    let between: Vec<f64> = lengths.windows(2).filter_map(between).collect();
     lengths.extend(between);
     if !lengths.contains(&shipped.length) {
         lengths.push(shipped.length);
@@ -100,11 +111,12 @@ fn wanted(presets: &[Preset], shipped: Recipe) -> Wanted {
     let mut lines: Vec<Recipe> = lengths
         .iter()
         .flat_map(|&length| RAYS.into_iter().map(move |rays| Recipe { length, rays }))
+        .chain([Recipe { length: longest, rays: RAYS_OF_LONGEST }])
         .collect();
     lines.sort_by(|a, b| a.work().total_cmp(&b.work()));
     let first = lines.first().copied();
     let presets = presets.iter().map(|preset| preset.recipe);
-    let is_least = |recipe: &Recipe| recipe.length == shipped.length || recipe.rays == FEW_RAYS;
+    let is_least = |recipe: &Recipe| recipe.length == longest || recipe.rays == FEW_RAYS;
     let (of_all, finer): (Vec<Recipe>, Vec<Recipe>) = lines.into_iter().partition(is_least);
     let mut least: Vec<Recipe> = Vec::new();
     for recipe in first.into_iter().chain(presets).chain([shipped]).chain(of_all) {
@@ -116,34 +128,24 @@ fn wanted(presets: &[Preset], shipped: Recipe) -> Wanted {
     Wanted { least, finer }
 }
 
-/// What the bakes say: all of it, form factors, patches.
+/// What the bakes say: all of it, form factors, patches. `exactly`: the matrix references of patch lengths.
 pub fn diagrams(
     bakes: &Bakes,
     presets: &[Preset],
-    shipped: Recipe,
-    exactly: Option<&Exactly>,
+    exactly: &[(f64, &Exactly)],
     truth: &Truth,
 ) -> Vec<Diagram> {
-    let mut diagrams = vec![
-        total(bakes, presets, shipped, exactly, truth),
-        patches(bakes, presets, shipped, exactly, truth),
-    ];
-    if let Some(exactly) = exactly {
-        diagrams.push(form_factors(bakes, presets, shipped, exactly));
-        diagrams.push(matrices(bakes, presets, shipped, exactly));
+    let mut diagrams = vec![total(bakes, presets, exactly, truth), patches(bakes, presets, truth)];
+    if let Some(OfLength { length, exactly, .. }) = bakes.reference {
+        diagrams.push(form_factors(bakes, presets, length, exactly));
+        diagrams.push(matrices(bakes, presets, length, exactly));
     }
     diagrams.iter_mut().for_each(|diagram| diagram.series.retain(|series| !series.points.is_empty()));
     diagrams
 }
 
 /// All of the error, against the path tracer.
-fn total(
-    bakes: &Bakes,
-    presets: &[Preset],
-    shipped: Recipe,
-    exactly: Option<&Exactly>,
-    truth: &Truth,
-) -> Diagram {
+fn total(bakes: &Bakes, presets: &[Preset], exactly: &[(f64, &Exactly)], truth: &Truth) -> Diagram {
     let mut lengths: Vec<f64> = bakes.made.iter().map(|made| made.recipe.length).collect();
     lengths.sort_by(|a, b| b.total_cmp(a));
     lengths.dedup();
@@ -151,10 +153,10 @@ fn total(
         let of_length =
             sorted(bakes, |made| made.recipe.length == length, |made| f64::from(made.recipe.rays));
         let patches = of_length.first().map_or(0, |made| made.patches);
-        let exactly = exactly.filter(|_| length == shipped.length);
+        let exactly = exactly.iter().find(|(of, _)| *of == length).map(|(_, exactly)| *exactly);
         let floor = floor_of_patches(&of_length, exactly, truth);
         let points = of_length.into_iter().map(|made| point(made, presets, &truth.field)).collect();
-        Series { name: format!("{patches} patches of {}", metres(length)), points, floor }
+        Series { floor, ..Series::new(format!("{patches} patches of {}", metres(length)), points) }
     };
     Diagram {
         id: "bake".to_owned(),
@@ -204,10 +206,9 @@ fn tends_to(points: &[[f64; 2]]) -> Option<f64> {
     is_determined.then(|| ((a * bb - b * ab) / determinant).max(0.0).sqrt())
 }
 
-/// Bakes of the shipped length against the same patches with many more rays.
-fn form_factors(bakes: &Bakes, presets: &[Preset], shipped: Recipe, exactly: &Exactly) -> Diagram {
-    let of_length =
-        sorted(bakes, |made| made.recipe.length == shipped.length, |made| f64::from(made.recipe.rays));
+/// Bakes of one length against the same patches with many more rays.
+fn form_factors(bakes: &Bakes, presets: &[Preset], length: f64, exactly: &Exactly) -> Diagram {
+    let of_length = sorted(bakes, |made| made.recipe.length == length, |made| f64::from(made.recipe.rays));
     let points = of_length.into_iter().filter_map(|made| {
         let error = error(&made.beside_matrix.as_ref()?.shown, &exactly.at_receivers);
         Some(Point { error, ..point(made, presets, &exactly.at_receivers) })
@@ -219,7 +220,7 @@ fn form_factors(bakes: &Bakes, presets: &[Preset], shipped: Recipe, exactly: &Ex
             "What do more rays bring? Clean bakes with patches of {}, against the matrix reference on the same patches \
              with {} rays a row, all of them others; both under the same direct light, solved exactly and seen at the same receivers. Where the cavity gain is large, most of it \
              is one number, how bright the room is as a whole, and a single bake may be lucky.",
-            metres(shipped.length),
+            metres(length),
             exactly.rays
         ),
         x: seconds(),
@@ -231,9 +232,8 @@ fn form_factors(bakes: &Bakes, presets: &[Preset], shipped: Recipe, exactly: &Ex
 }
 
 /// The same of the matrices themselves.
-fn matrices(bakes: &Bakes, presets: &[Preset], shipped: Recipe, exactly: &Exactly) -> Diagram {
-    let of_length =
-        sorted(bakes, |made| made.recipe.length == shipped.length, |made| f64::from(made.recipe.rays));
+fn matrices(bakes: &Bakes, presets: &[Preset], length: f64, exactly: &Exactly) -> Diagram {
+    let of_length = sorted(bakes, |made| made.recipe.length == length, |made| f64::from(made.recipe.rays));
     let points = of_length.into_iter().filter_map(|made| {
         let error = made.beside_matrix.as_ref()?.factors;
         Some(Point { error, ..point(made, presets, &exactly.at_receivers) })
@@ -244,7 +244,7 @@ fn matrices(bakes: &Bakes, presets: &[Preset], shipped: Recipe, exactly: &Exactl
         about: format!(
             "The form factors of patches of {} one by one, before light averages over them: norm of the difference from the \
              matrix reference over its norm (Frobenius).",
-            metres(shipped.length)
+            metres(length)
         ),
         x: seconds(),
         y: Axis { label: "error of the matrix, relative".to_owned(), unit: String::new() },
@@ -258,13 +258,7 @@ fn matrices(bakes: &Bakes, presets: &[Preset], shipped: Recipe, exactly: &Exactl
 }
 
 /// Patch lengths at the most rays that four lengths, or else as many as there are, were baked with.
-fn patches(
-    bakes: &Bakes,
-    presets: &[Preset],
-    shipped: Recipe,
-    exactly: Option<&Exactly>,
-    truth: &Truth,
-) -> Diagram {
+fn patches(bakes: &Bakes, presets: &[Preset], truth: &Truth) -> Diagram {
     let with = |rays: u32| sorted(bakes, |made| made.recipe.rays == rays, |made| -made.recipe.length);
     let most = |lengths: usize| RAYS.into_iter().rev().find(|&rays| with(rays).len() >= lengths);
     let rays = most(4).or(most(3)).or(most(2)).unwrap_or(RAYS[0]);
@@ -273,8 +267,9 @@ fn patches(
         ..point(made, presets, &truth.field)
     });
     let mut floors = truth.floors();
-    if let (Some(exactly), Some(made)) = (exactly, beside(bakes, Recipe { rays, ..shipped })) {
-        let y = error(&made.shown, &exactly.at_receivers).rms;
+    let made = |length: f64| bakes.of(Recipe { length, rays })?.beside_matrix.as_ref();
+    if let Some((made, reference)) = bakes.reference.and_then(|of| Some((made(of.length)?, of.exactly))) {
+        let y = error(&made.shown, &reference.at_receivers).rms;
         floors.push(Floor { name: format!("form factors from {rays} rays"), y });
     }
     Diagram {
@@ -296,10 +291,6 @@ fn sorted<'a>(bakes: &'a Bakes, which: impl Fn(&Made) -> bool, by: impl Fn(&Made
     let mut made: Vec<&Made> = bakes.made.iter().filter(|made| which(made)).collect();
     made.sort_by(|a, b| by(a).total_cmp(&by(b)));
     made
-}
-
-fn beside<'a>(bakes: &'a Bakes, recipe: Recipe) -> Option<&'a BesideMatrix> {
-    bakes.of(recipe)?.beside_matrix.as_ref()
 }
 
 fn error(found: &[f64], reference: &[f64]) -> Error {
@@ -361,7 +352,12 @@ mod tests {
         let Wanted { least, finer } = wanted(&presets, presets[1].recipe);
         assert_eq!(least[0], Recipe { length: 1.0, rays: 64 });
         assert_eq!(least[1..3], presets.map(|preset| preset.recipe));
-        assert!(RAYS.iter().all(|&rays| least.contains(&Recipe { length: 0.5, rays })));
+        assert!(
+            [64, 256, 1024, 4096, 8192]
+                .map(|rays| Recipe { length: 1.0, rays })
+                .iter()
+                .all(|of| least.contains(of))
+        );
         assert!(finer.iter().all(|recipe| !least.contains(recipe)) && !finer.is_empty());
     }
 }

@@ -134,7 +134,7 @@ impl Bakes<'_> {
 }
 
 /// One bake and its seconds.
-fn bake(opened: &Opened, recipe: Recipe, watcher: &dyn Watcher) -> Result<(Transport, f64), BakeError> {
+pub fn bake(opened: &Opened, recipe: Recipe, watcher: &dyn Watcher) -> Result<(Transport, f64), BakeError> {
     let started = Instant::now();
     // The quality is a name in the certificate and changes nothing.
     let with = BakeWith { quality: Quality::Standard, rays: recipe.rays, length: recipe.length };

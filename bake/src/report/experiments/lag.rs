@@ -152,7 +152,9 @@ fn diagram(
         for (k, method) in METHODS.into_iter().enumerate() {
             let part = budget.part(1.0 / (METHODS.len() - k) as f64);
             let points = followed(method, channel, played, AT_FLOOR * floor, &part);
-            series.push(Series::new(method.name(), points));
+            let ends = points.last().filter(|last| last.error.max > AT_FLOOR * floor && is_too_long(last));
+            let ends = ends.map(|_| "as far as a frame lasts".to_owned());
+            series.push(Series { ends, ..Series::new(method.name(), points) });
         }
     }
     series.retain(|series| !series.points.is_empty());
@@ -185,12 +187,17 @@ fn followed(
 ) -> Vec<Point> {
     let mut points: Vec<Point> = Vec::new();
     let mut count = 1;
-    let is_done = |point: &Point| point.error.max <= enough || 2.0 * point.x > FRAME;
+    let is_done = |point: &Point| point.error.max <= enough || is_too_long(point);
     while count <= MOST && !budget.is_spent() && !points.last().is_some_and(is_done) {
         points.extend(of_method(method, channel, played, count));
         count *= 2;
     }
     points
+}
+
+/// Twice its products would take longer than the frame lasts.
+fn is_too_long(point: &Point) -> bool {
+    2.0 * point.x > FRAME
 }
 
 /// The worst of all frames so far, of whichever script.

@@ -89,6 +89,9 @@ const FOR_LAG: f64 = 0.35;
 const FOR_FRAME: f64 = 0.35;
 const FOR_BYTES: f64 = 0.5;
 const FOR_RAW: f64 = 0.8;
+/// Of what is left for bakes: the matrix reference of the longest patches, whose layout a bake with so few rays tells.
+const FOR_SWEPT: f64 = 0.2;
+const FEWEST_RAYS: u32 = 64;
 
 pub fn all(setup: &Setup, budget: &Budget, watcher: &dyn Watcher) -> Result<Measured, BakeError> {
     let points = if budget.left() < SHORT { FEW } else { EFFORT.points };
@@ -164,13 +167,49 @@ fn bakes(
 ) -> Result<(Vec<Diagram>, Vec<Advice>), BakeError> {
     let shipped = shipped(&setup.transport);
     let presets = bake_time::presets(&setup.opened)?;
-    let of_length = |exactly| OfLength { length: shipped.length, exactly, direct: ends.direct_exactly };
-    let reference = ends.exactly.map(of_length);
+    let longest = bake_time::longest(&presets);
+    let of_shipped = ends.exactly.map(|exactly| (shipped.length, exactly));
+    let own = match of_shipped {
+        Some((length, _)) if length != longest => {
+            swept(setup, longest, points, &budget.part(FOR_SWEPT), watcher, notes)?
+        }
+        _ => None,
+    };
+    let reference = match (&own, of_shipped) {
+        (Some((exactly, direct)), _) => Some(OfLength { length: longest, exactly, direct }),
+        (None, Some((length, exactly))) if length == longest => {
+            Some(OfLength { length, exactly, direct: ends.direct_exactly })
+        }
+        _ => None,
+    };
     let mut bakes = Bakes { opened: &setup.opened, points, reference, made: Vec::new(), notes: Vec::new() };
     bake_time::bake_all(&mut bakes, &presets, shipped, effort.rays, budget, watcher)?;
     notes.append(&mut bakes.notes);
-    let diagrams = bake_time::diagrams(&bakes, &presets, shipped, ends.exactly, ends.truth);
+    let exactly: Vec<(f64, &Exactly)> =
+        of_shipped.into_iter().chain(own.iter().map(|(exactly, _)| (longest, exactly))).collect();
+    let diagrams = bake_time::diagrams(&bakes, &presets, &exactly, ends.truth);
     Ok((diagrams, advice::of_bakes(&bakes, &presets, shipped, ends.truth)))
+}
+
+/// The matrix reference of patches of another length than the shipped ones, and their direct light.
+fn swept(
+    setup: &Setup,
+    length: f64,
+    points: &[Point],
+    budget: &Budget,
+    watcher: &dyn Watcher,
+    notes: &mut Vec<String>,
+) -> Result<Option<(Exactly, Vec<Vec3>)>, BakeError> {
+    let opened = &setup.opened;
+    let within = Within { watcher: &Quiet(watcher), budget: *budget };
+    let transport = match bakes::bake(opened, Recipe { length, rays: FEWEST_RAYS }, &within) {
+        Err(BakeError::Cancelled) if !watcher.cancelled() => return Ok(None),
+        baked => baked?.0,
+    };
+    let lit = Lit::new(opened, &transport);
+    let direct = lit.direct_from(&lit.lights, MANY_SAMPLES);
+    let found = exactly(opened, &lit, &direct, &lit.places(points), budget, watcher, notes)?;
+    Ok(found.map(|exactly| (exactly, direct)))
 }
 
 fn seeds() -> Vec<(String, u64)> {

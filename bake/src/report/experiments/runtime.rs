@@ -33,8 +33,13 @@ impl<'a> Runtime<'a> {
     /// So many products; measured is the light before the last.
     pub fn frame(&self, e: &[Vec3], b: &mut [Vec3], products: u32, version: u64) -> Measured {
         let iteration = TwoLevel { system: self.system, coarse: &self.coarse };
-        let mut measured =
-            Measured { version, residual: f32::INFINITY, largest: largest(b), exitance: largest(e) };
+        let mut measured = Measured {
+            version,
+            products,
+            residual: f32::INFINITY,
+            largest: largest(b),
+            exitance: largest(e),
+        };
         for _ in 0..products {
             measured.largest = largest(b);
             measured.residual = iteration.step(e, b);

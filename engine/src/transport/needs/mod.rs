@@ -39,7 +39,7 @@ pub use as_baked::as_baked;
 pub use look::Look;
 pub use reflections::is_smooth;
 pub use relied_on::{grounds, relied_on};
-pub use saving::{Cost, PROBE_RAYS, RowSizes, Sizes};
+pub use saving::{Cost, PROBE_RAYS, RowSizes, Sizes, bytes};
 pub use solver::SMALL;
 
 /// What the scene alone tells, before any ray. What only a bake tells is taken as needed, and savings are known where

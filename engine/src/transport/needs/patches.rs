@@ -16,7 +16,7 @@ use crate::transport::{NONE, Rows, Sample, Transport};
 /// Each patch reflects or emits: none is black.
 pub fn black_patches(look: &Look<'_>) -> Finding {
     if let Some(black) = black(look) {
-        return left_out(look, &black, "reflects and emits nothing", "every patch reflects or emits");
+        return left_out(look, &black, "black", "every patch reflects or emits");
     }
     let black = look.still().filter(|drawn| {
         let mut materials = look.materials_of(*drawn).peekable();
@@ -26,7 +26,7 @@ pub fn black_patches(look: &Look<'_>) -> Finding {
     if ids.is_empty() {
         return Finding::needed("no static surface is all black", Vec::new());
     }
-    Finding::not_needed(format!("{names} reflects and emits nothing")).led_to(ids)
+    Finding::not_needed(format!("black: {names}")).led_to(ids)
 }
 
 /// By patch: it reflects and emits nothing. None before the bake.
@@ -45,7 +45,7 @@ fn is_black(material: &Material) -> bool {
 /// Some light, emitter or the sky reaches every patch's room.
 pub fn unlit_patches(look: &Look<'_>) -> Finding {
     if let Some(unlit) = unlit(look) {
-        return left_out(look, &unlit, "stands where no light comes to", "light comes to every room");
+        return left_out(look, &unlit, "where no light comes to", "light comes to every room");
     }
     if sources(look).is_empty() {
         return Finding::not_needed("nothing shines");
@@ -154,7 +154,7 @@ fn left_out(look: &Look<'_>, dark: &[bool], what: &str, none: &str) -> Finding {
     }
     let (names, ids) = told(of_patches(look, transport, dark));
     let (all, is) = (dark.len(), if count == 1 { "patch" } else { "patches" });
-    Finding::not_needed(format!("{names} {what} ({count} {is} of {all})"))
+    Finding::not_needed(format!("{what}: {names} ({count} {is} of {all})"))
         .led_to(ids)
         .saves(saving(look, transport, dark))
 }
@@ -225,7 +225,7 @@ mod tests {
         scene.materials[1] = black_material(1);
         let out = found(black_patches, &scene, Some(&rooms));
         assert!(!out.needed && out.entities == [EntityId(2)], "{out:?}");
-        assert_eq!(out.why, "`e2` reflects and emits nothing (6 patches of 12)");
+        assert_eq!(out.why, "black: `e2` (6 patches of 12)");
         scene.materials[1].emission.color = Vec3::ONE;
         assert!(found(black_patches, &scene, Some(&rooms)).needed, "it shines");
     }

@@ -22,7 +22,7 @@ pub fn light_probes(look: &Look<'_>) -> Finding {
         (false, true) => {
             Finding::not_needed(format!("nothing moves that would read those of {placed}")).led_to(places)
         }
-        (false, false) => Finding::needed(format!("{names} may move and reads them"), reads),
+        (false, false) => Finding::needed(format!("read by what may move: {names}"), reads),
     }
     .saves(saving)
 }

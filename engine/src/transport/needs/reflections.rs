@@ -40,7 +40,7 @@ pub fn reflections(look: &Look<'_>) -> Finding {
             .saves(saving);
     }
     let (names, ids) = entities(&in_reach);
-    Finding::needed(format!("{names} is smooth"), ids).saves(saving)
+    Finding::needed(format!("smooth: {names}"), ids).saves(saving)
 }
 
 /// Probes that take part.
@@ -97,7 +97,7 @@ pub fn recaptures(look: &Look<'_>) -> Finding {
     }
     match changing(look, skyward) {
         Some((why, by)) if skyward => Finding::needed(format!("{why}, and cubemaps of the sky show it"), by),
-        Some((why, by)) => Finding::needed(format!("{why}, and {names} sees it"), by),
+        Some((why, by)) => Finding::needed(format!("{why}, seen from {names}"), by),
         None => Finding::not_needed("nothing that cubemaps show ever changes").led_to(ids),
     }
     .saves(saving)
@@ -231,7 +231,7 @@ mod tests {
         let mut busy = hall();
         busy.entities.push(ball(4));
         let busy = found(recaptures, &busy);
-        assert!(busy.needed && busy.why == "`e4` may move, and `e2` sees it", "{busy:?}");
+        assert!(busy.needed && busy.why == "`e4` may move, seen from `e2`", "{busy:?}");
         let mut carried = hall();
         carried.entities[1] = moved(cube_probe(2));
         assert!(found(recaptures, &carried).needed);

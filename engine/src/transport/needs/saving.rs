@@ -170,7 +170,7 @@ impl std::fmt::Display for Saving {
     }
 }
 
-/// "2.5 kB".
+/// For people, in units of 1000.
 pub fn bytes(bytes: u64) -> String {
     match bytes {
         0..1_000 => format!("{bytes} B"),

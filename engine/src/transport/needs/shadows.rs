@@ -20,7 +20,7 @@ pub fn shadow_maps(look: &Look<'_>) -> Finding {
         return Finding::not_needed(why).led_to(ids).saves(saving);
     }
     let (names, ids) = told(casting);
-    Finding::needed(format!("{names} casts shadows"), ids).saves(saving)
+    Finding::needed(format!("lights that cast them: {names}"), ids).saves(saving)
 }
 
 /// About: maps of the size that a few lights of a kind get, of four bytes a texel.

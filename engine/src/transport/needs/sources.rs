@@ -161,7 +161,7 @@ fn moving_shadows(look: &Look<'_>) -> Option<Finding> {
         return None;
     }
     lamps.extend(moving);
-    Some(Finding::needed(format!("{movers} may move and casts shadows in the light of {lights}"), lamps))
+    Some(Finding::needed(format!("shadows of what may move, {movers}, in the light of {lights}"), lamps))
 }
 
 fn names(sources: &[&Source]) -> String {

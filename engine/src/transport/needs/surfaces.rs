@@ -35,7 +35,7 @@ pub fn holes(look: &Look<'_>) -> Finding {
         return Finding::not_needed("nothing that stops light has holes or is blended");
     }
     let (names, ids) = entities(&holed);
-    Finding::needed(format!("{names} lets light through"), ids)
+    Finding::needed(format!("light gets through {names}"), ids)
 }
 
 /// Does a material ask for a variant?
