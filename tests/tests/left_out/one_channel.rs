@@ -7,6 +7,10 @@ use super::*;
 
 const RED: MaterialId = MaterialId(60);
 
+/// What is lit, how rows are summed, and what the author says.
+type Way<'a> = (&'a Transport, Option<Summed>, &'a [(Feature, Forced)]);
+type Edit = fn(&mut Scene);
+
 /// Grey walls, one of which glows, a lamp, and a red ball that may move.
 fn grey(transport: &Transport) -> Scene {
     let mut scene = room::scene_of(transport, |wall| Vec3::splat(0.2 + 0.1 * wall as f32));
@@ -71,7 +75,7 @@ fn assert_same_light(a: &Light, b: &Light, limit: f32) {
 fn a_grey_scene_takes_a_quarter_of_the_light_and_as_many_dispatches_for_the_same_picture() {
     let plain = transport();
     let tilted = with_directional_rows(transport());
-    let ways: [(&Transport, Option<Summed>, &[(Feature, Forced)]); 6] = [
+    let ways: [Way<'_>; 6] = [
         (&plain, None, &[]),
         (&plain, Some(Summed::ByGroup), &[]),
         (&plain, None, &[(Feature::CoarseCorrection, Forced::In)]),
@@ -111,7 +115,7 @@ fn colour_that_comes_in_is_seen_in_the_same_frame_and_goes_again() {
     let transport = transport();
     let plain = grey(&transport);
     let mut lean = studio_of(gpu, &transport, None, asked(&[], true));
-    let edits: [(fn(&mut Scene), Channels); 5] = [
+    let edits: [(Edit, Channels); 5] = [
         (|scene| scene.materials[1].albedo.color = Vec3::new(0.7, 0.2, 0.1), Channels::Three),
         (|_| (), Channels::One),
         (|scene| scene.materials[2].emission.color = Vec3::new(0.1, 0.2, 0.7), Channels::Three),
