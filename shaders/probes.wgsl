@@ -1,9 +1,10 @@
 // Light probes as small white spheres in the light that each of them knows; those inside solids in plain red.
 #import hohlraum::frame::{frame, drawn}
+#import hohlraum::transport::channels::{Stored, value_of, in_full}
 #import hohlraum::transport::sh
 
-@group(2) @binding(0) var<storage, read> probes_direct: array<vec4f>;
-@group(2) @binding(1) var<storage, read> probes_indirect: array<vec4f>;
+@group(2) @binding(0) var<storage, read> probes_direct: array<Stored>;
+@group(2) @binding(1) var<storage, read> probes_indirect: array<Stored>;
 
 struct Point {
     @builtin(position) clip: vec4f,
@@ -20,7 +21,8 @@ fn sphere(
     let normal = normalize(corner);
     var light: array<vec3f, 9>;
     for (var k = 0u; k < 9u; k++) {
-        light[k] = probes_direct[probe.x * 9u + k].xyz + probes_indirect[probe.x * 9u + k].xyz;
+        let at = probe.x * 9u + k;
+        light[k] = in_full(value_of(probes_direct[at]) + value_of(probes_indirect[at]));
     }
     let lit = sh::irradiance(light, normal) / 3.14159265;
     var point = Point(frame.clip_from_world * vec4f(place.xyz + normal * place.w, 1.0), lit);

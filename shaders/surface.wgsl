@@ -3,7 +3,7 @@
 // digit; GGX (Walter et al. 2007, height-correlated Smith by Heitz 2014) with Schlick's Fresnel on top.
 //
 // What a scene does without is not even compiled. Defined are NORMAL_MAP, MASK, BLEND and UNLIT where the material is of
-// that kind, LIGHTS where punctual lights shine, CUBEMAPS where there are any.
+// that kind, LIGHTS where punctual lights shine, CUBEMAPS where there are any, GREY where light has one channel.
 #import hohlraum::frame::{frame, to_eye, drawn, COMPOSITE, DIRECT, INDIRECT, REFLECTION, ALBEDO, NORMAL, PROBES}
 #import hohlraum::scene::mesh::{Still, Moving, moved, moved_normal, moved_tangent}
 #import hohlraum::scene::material::{material, base_color, metal, emission_at, is}
@@ -28,15 +28,16 @@
 #import hohlraum::scene::reflection::around
 #endif
 #import hohlraum::scene::reflection::{reflectance, use_of}
+#import hohlraum::transport::channels::{Stored, value_of, in_full}
 #import hohlraum::transport::sh
 
 /// Irradiance at receivers [W/m2]: seen unblocked from emitters and sky, and all that bounced. From
 /// `frame.directional` on: the directional terms of the first ones, along x, y and z.
-@group(2) @binding(0) var<storage, read> receivers_direct: array<vec4f>;
-@group(2) @binding(1) var<storage, read> receivers_indirect: array<vec4f>;
+@group(2) @binding(0) var<storage, read> receivers_direct: array<Stored>;
+@group(2) @binding(1) var<storage, read> receivers_indirect: array<Stored>;
 /// Nine coefficients an object that moves, likewise.
-@group(2) @binding(2) var<storage, read> objects_direct: array<vec4f>;
-@group(2) @binding(3) var<storage, read> objects_indirect: array<vec4f>;
+@group(2) @binding(2) var<storage, read> objects_direct: array<Stored>;
+@group(2) @binding(3) var<storage, read> objects_indirect: array<Stored>;
 
 const PI: f32 = 3.14159265;
 /// In captures a surface mirrors at most this share: light between mirrors that face each other ends.
@@ -106,10 +107,10 @@ fn still(vertex: Still) -> Point {
     for (var k = 0u; k < 4u; k++) {
         let front = vertex.receivers[k];
         let back = vertex.back_receivers[k];
-        point.front_direct += vertex.weights[k] * receivers_direct[front].xyz;
-        point.front_indirect += vertex.weights[k] * receivers_indirect[front].xyz;
-        point.back_direct += vertex.back_weights[k] * receivers_direct[back].xyz;
-        point.back_indirect += vertex.back_weights[k] * receivers_indirect[back].xyz;
+        point.front_direct += vertex.weights[k] * in_full(value_of(receivers_direct[front]));
+        point.front_indirect += vertex.weights[k] * in_full(value_of(receivers_indirect[front]));
+        point.back_direct += vertex.back_weights[k] * in_full(value_of(receivers_direct[back]));
+        point.back_indirect += vertex.back_weights[k] * in_full(value_of(receivers_indirect[back]));
     }
     return point;
 }
@@ -147,8 +148,8 @@ fn light_of_object(object: u32, normal: vec3f) -> Arriving {
     var direct: array<vec3f, 9>;
     var indirect: array<vec3f, 9>;
     for (var k = 0u; k < 9u; k++) {
-        direct[k] = objects_direct[object * 9u + k].xyz;
-        indirect[k] = objects_indirect[object * 9u + k].xyz;
+        direct[k] = in_full(value_of(objects_direct[object * 9u + k]));
+        indirect[k] = in_full(value_of(objects_indirect[object * 9u + k]));
     }
     return Arriving(sh::irradiance(direct, normal), sh::irradiance(indirect, normal));
 }
@@ -167,14 +168,14 @@ fn still_bumped(vertex: Still) -> BumpedPoint {
         let receiver = vertex.receivers[k];
         let terms = frame.directional + 3u * receiver;
         let weight = vertex.weights[k];
-        point.direct += weight * receivers_direct[receiver].xyz;
-        point.direct_x += weight * receivers_direct[terms].xyz;
-        point.direct_y += weight * receivers_direct[terms + 1u].xyz;
-        point.direct_z += weight * receivers_direct[terms + 2u].xyz;
-        point.indirect += weight * receivers_indirect[receiver].xyz;
-        point.indirect_x += weight * receivers_indirect[terms].xyz;
-        point.indirect_y += weight * receivers_indirect[terms + 1u].xyz;
-        point.indirect_z += weight * receivers_indirect[terms + 2u].xyz;
+        point.direct += weight * in_full(value_of(receivers_direct[receiver]));
+        point.direct_x += weight * in_full(value_of(receivers_direct[terms]));
+        point.direct_y += weight * in_full(value_of(receivers_direct[terms + 1u]));
+        point.direct_z += weight * in_full(value_of(receivers_direct[terms + 2u]));
+        point.indirect += weight * in_full(value_of(receivers_indirect[receiver]));
+        point.indirect_x += weight * in_full(value_of(receivers_indirect[terms]));
+        point.indirect_y += weight * in_full(value_of(receivers_indirect[terms + 1u]));
+        point.indirect_z += weight * in_full(value_of(receivers_indirect[terms + 2u]));
     }
     return point;
 }

@@ -1,7 +1,8 @@
 // Windows the coefficients of light probes so that their irradiance is nowhere negative: what
 // engine/src/transport/dering.rs says, one thread a probe.
+#import hohlraum::transport::channels::{Stored, value_of, stored, in_full, of_full}
 
-@group(2) @binding(0) var<storage, read_write> probes: array<vec4f>;
+@group(2) @binding(0) var<storage, read_write> probes: array<Stored>;
 
 const PI: f32 = 3.14159265;
 const STEPS: u32 = 24u;
@@ -15,15 +16,20 @@ fn dering(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) gro
     }
     var l: array<vec3f, 9>;
     for (var k = 0u; k < 9u; k++) {
-        l[k] = probes[first + k].xyz;
+        l[k] = in_full(value_of(probes[first + k]));
     }
     let red = window(channel(l, 0u));
+#ifdef GREY
+    let green = red;
+    let blue = red;
+#else
     let green = window(channel(l, 1u));
     let blue = window(channel(l, 2u));
+#endif
     let one = vec3f(red.x, green.x, blue.x);
     let two = vec3f(red.y, green.y, blue.y);
     for (var k = 1u; k < 9u; k++) {
-        probes[first + k] = vec4f(l[k] * select(two, one, k < 4u), 0.0);
+        probes[first + k] = stored(of_full(l[k] * select(two, one, k < 4u)));
     }
 }
 

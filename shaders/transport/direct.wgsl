@@ -4,15 +4,16 @@
 // light that has no map is asked by rays in any case, and a ray that meets something with holes asks the map.
 #import hohlraum::frame::frame
 #import hohlraum::scene::light::{Light, lights_at, light_of, arrival, visible, SUN, SPOT, UNMAPPED}
+#import hohlraum::transport::channels::{Stored, value_of, stored, of_any}
 #import hohlraum::transport::patch::{Patch, Sample}
 #import hohlraum::transport::rays::{triangles, let_through, holes_met}
 #import hohlraum::transport::solid_angle::{solid_angle, cone_in_triangle}
 
 @group(2) @binding(0) var<storage, read> patches: array<Patch>;
 @group(2) @binding(1) var<storage, read> samples: array<Sample>;
-@group(2) @binding(2) var<storage, read> albedo: array<vec4f>;
-@group(2) @binding(3) var<storage, read> emitted: array<vec4f>;
-@group(2) @binding(4) var<storage, read_write> exitance: array<vec4f>;
+@group(2) @binding(2) var<storage, read> albedo: array<Stored>;
+@group(2) @binding(3) var<storage, read> emitted: array<Stored>;
+@group(2) @binding(4) var<storage, read_write> exitance: array<Stored>;
 
 /// Triangles that cover less of the sphere around a spot [sr] are taken at their middle, where there are more than
 /// these: others are given their exact part of the cone.
@@ -42,7 +43,7 @@ fn leave(i: u32, by_rays: bool) {
         sum += irradiance(i, samples[s], by_rays);
     }
     let mean = sum / f32(max(count, 1u));
-    exitance[i] = vec4f(emitted[i].xyz + albedo[i].xyz * mean / frame.light_unit, 0.0);
+    exitance[i] = stored(value_of(emitted[i]) + value_of(albedo[i]) * of_any(mean) / frame.light_unit);
 }
 
 fn irradiance(i: u32, at: Sample, by_rays: bool) -> vec3f {

@@ -1,5 +1,6 @@
 // Light for moving objects where no probe is: the mean irradiance of all valid receivers, written behind the
 // probes as one more probe that gives this irradiance from everywhere. One workgroup.
+#import hohlraum::transport::channels::{Stored, value_of, stored, in_full, of_full}
 
 struct Mean {
     receivers: u32,
@@ -10,8 +11,8 @@ struct Mean {
     padding: u32,
 }
 
-@group(2) @binding(0) var<storage, read> arrived: array<vec4f>;
-@group(2) @binding(1) var<storage, read_write> probes: array<vec4f>;
+@group(2) @binding(0) var<storage, read> arrived: array<Stored>;
+@group(2) @binding(1) var<storage, read_write> probes: array<Stored>;
 @group(3) @binding(0) var<uniform> whole: Mean;
 
 var<workgroup> parts: array<vec3f, 64>;
@@ -20,7 +21,7 @@ var<workgroup> parts: array<vec3f, 64>;
 fn mean(@builtin(local_invocation_index) thread: u32) {
     var sum = vec3f(0.0);
     for (var i = thread; i < whole.receivers; i += 64u) {
-        sum += arrived[i].xyz;
+        sum += in_full(value_of(arrived[i]));
     }
     parts[thread] = sum;
     workgroupBarrier();
@@ -30,6 +31,6 @@ fn mean(@builtin(local_invocation_index) thread: u32) {
             total += parts[i];
         }
         // H = pi * L00 * Y00 for light that is the same from everywhere; the other eight stay 0.
-        probes[whole.probe] = vec4f(total * whole.share / (3.14159265 * 0.28209479), 0.0);
+        probes[whole.probe] = stored(of_full(total) * whole.share / (3.14159265 * 0.28209479));
     }
 }

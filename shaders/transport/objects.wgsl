@@ -1,4 +1,5 @@
 // The light of moving objects: nine coefficients each, blended of up to four light probes. One thread a coefficient.
+#import hohlraum::transport::channels::{Stored, value_of, stored, dark}
 
 /// Shares of light probes; they sum to 1.
 struct Weights {
@@ -6,11 +7,11 @@ struct Weights {
     weights: vec4f,
 }
 
-@group(2) @binding(0) var<storage, read> probes_direct: array<vec4f>;
-@group(2) @binding(1) var<storage, read> probes_indirect: array<vec4f>;
+@group(2) @binding(0) var<storage, read> probes_direct: array<Stored>;
+@group(2) @binding(1) var<storage, read> probes_indirect: array<Stored>;
 @group(2) @binding(2) var<storage, read> objects: array<Weights>;
-@group(2) @binding(3) var<storage, read_write> objects_direct: array<vec4f>;
-@group(2) @binding(4) var<storage, read_write> objects_indirect: array<vec4f>;
+@group(2) @binding(3) var<storage, read_write> objects_direct: array<Stored>;
+@group(2) @binding(4) var<storage, read_write> objects_indirect: array<Stored>;
 
 @compute @workgroup_size(64)
 fn objects_light(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
@@ -19,13 +20,13 @@ fn objects_light(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgrou
         return;
     }
     let blend = objects[i / 9u];
-    var direct = vec3f(0.0);
-    var indirect = vec3f(0.0);
+    var direct = dark();
+    var indirect = dark();
     for (var k = 0u; k < 4u; k++) {
         let at = blend.probes[k] * 9u + i % 9u;
-        direct += blend.weights[k] * probes_direct[at].xyz;
-        indirect += blend.weights[k] * probes_indirect[at].xyz;
+        direct += blend.weights[k] * value_of(probes_direct[at]);
+        indirect += blend.weights[k] * value_of(probes_indirect[at]);
     }
-    objects_direct[i] = vec4f(direct, 0.0);
-    objects_indirect[i] = vec4f(indirect, 0.0);
+    objects_direct[i] = stored(direct);
+    objects_indirect[i] = stored(indirect);
 }

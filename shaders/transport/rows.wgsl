@@ -1,6 +1,7 @@
 // One page of rows times a vector: sum over a row of weight * source[column]. Rows are sparse; where DENSE is defined,
 // they have the weights of all columns instead.
 #define_import_path hohlraum::transport::rows
+#import hohlraum::transport::channels::{Stored, value_of, dark, in_full}
 
 struct Page {
     /// Of this page's first row among all rows.
@@ -14,7 +15,7 @@ struct Page {
 }
 
 /// Radiosity [W/m2] by column: patches, then sky patches.
-@group(2) @binding(0) var<storage, read> source: array<vec4f>;
+@group(2) @binding(0) var<storage, read> source: array<Stored>;
 
 @group(3) @binding(0) var<uniform> page: Page;
 /// Into columns and weights; one more than rows.
@@ -33,32 +34,9 @@ fn entries_of(row: u32) -> Entries {
     let stride = select(page.width, (page.width + 1u) / 2u, page.packed != 0u);
     return Entries(row * stride, row * stride + stride);
 }
-
-/// weight * source[column] of an entry of a row that begins at `first`, or of two that share four bytes.
-fn weighted(entry: u32, first: u32) -> vec3f {
-    let at = entry - first;
-    if page.packed == 0u {
-        return weights[entry] * source[at].xyz;
-    }
-    let both = columns[entry];
-    var sum = weight_of(both & 0xffffu) * source[2u * at].xyz;
-    if 2u * at + 1u < page.width {
-        sum += weight_of(both >> 16u) * source[2u * at + 1u].xyz;
-    }
-    return sum;
-}
 #else
 fn entries_of(row: u32) -> Entries {
     return Entries(starts[row], starts[row + 1u]);
-}
-
-/// weight * source[column] of an entry. Packed: the f16 of 2^15 times the weight, above the column.
-fn weighted(entry: u32, first: u32) -> vec3f {
-    let column = columns[entry];
-    if page.packed != 0u {
-        return weight_of(column >> 16u) * source[column & 0xffffu].xyz;
-    }
-    return weights[entry] * source[column].xyz;
 }
 #endif
 
@@ -70,14 +48,39 @@ fn weight_of(half: u32) -> f32 {
     return select(size, -size, half > 0x7fffu);
 }
 
+/// Of every `step`th entry of a row: weight * source[column]. Packed: the f16 of 2^15 times the weight, above the column,
+/// or above that of the column before.
+fn part_of_row(row: u32, start: u32, step: u32) -> vec3f {
+    let row_entries = entries_of(row);
+    var sum = dark();
+    for (var i = row_entries.first + start; i < row_entries.end; i += step) {
+#ifdef DENSE
+        let at = i - row_entries.first;
+        if page.packed == 0u {
+            sum += weights[i] * value_of(source[at]);
+            continue;
+        }
+        let both = columns[i];
+        var two = weight_of(both & 0xffffu) * value_of(source[2u * at]);
+        if 2u * at + 1u < page.width {
+            two += weight_of(both >> 16u) * value_of(source[2u * at + 1u]);
+        }
+        sum += two;
+#else
+        let column = columns[i];
+        if page.packed == 0u {
+            sum += weights[i] * value_of(source[column]);
+            continue;
+        }
+        sum += weight_of(column >> 16u) * value_of(source[column & 0xffffu]);
+#endif
+    }
+    return in_full(sum);
+}
+
 /// A thread a row: best where threads are few (a processor that draws).
 fn row_by_thread(row: u32) -> vec3f {
-    var sum = vec3f(0.0);
-    let row_entries = entries_of(row);
-    for (var i = row_entries.first; i < row_entries.end; i++) {
-        sum += weighted(i, row_entries.first);
-    }
-    return sum;
+    return part_of_row(row, 0u, 1u);
 }
 
 var<workgroup> parts: array<vec3f, 64>;
@@ -86,10 +89,7 @@ var<workgroup> parts: array<vec3f, 64>;
 fn row_by_group(row: u32, thread: u32) -> vec3f {
     var sum = vec3f(0.0);
     if row < page.count {
-        let row_entries = entries_of(row);
-        for (var i = row_entries.first + thread; i < row_entries.end; i += 64u) {
-            sum += weighted(i, row_entries.first);
-        }
+        sum = part_of_row(row, thread, 64u);
     }
     parts[thread] = sum;
     for (var half = 32u; half > 0u; half /= 2u) {

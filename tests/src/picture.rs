@@ -60,12 +60,23 @@ impl Studio {
         settings: Settings,
         said: &[(Feature, Forced)],
     ) -> Self {
+        Self::heeding(gpu, transport, eye, size, settings, Asked::new(&said.iter().copied().collect()))
+    }
+
+    /// Where he has also made promises.
+    pub fn heeding(
+        gpu: Gpu,
+        transport: Transport,
+        eye: Eye,
+        size: [u32; 2],
+        settings: Settings,
+        asked: Asked,
+    ) -> Self {
         let gpu = Arc::new(gpu);
         let display = texture::target(&gpu, "display", size, 1, wgpu::TextureFormat::Rgba8UnormSrgb);
         let assets = Assets::default();
         let settings = Settings { wait: true, ..settings };
-        let said = Asked::new(&said.iter().copied().collect());
-        let renderer = Renderer::asked(gpu, Arc::new(transport), &assets, settings, said).unwrap();
+        let renderer = Renderer::asked(gpu, Arc::new(transport), &assets, settings, asked).unwrap();
         Self { renderer, display, eye, assets }
     }
 

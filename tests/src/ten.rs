@@ -6,7 +6,7 @@
 use engine::scene::shape::Shape;
 use engine::scene::{
     Albedo, Alpha, Camera, Changes, Density, Emission, Entity, Light, LightKind, LightProbeGroup, Material,
-    MaterialId, MeshRenderer, MeshSource, Motion, Reflection, ReflectionProbe, Scene, Sky, SkyKind,
+    MaterialId, MeshRenderer, MeshSource, Motion, Reflection, ReflectionProbe, Refresh, Scene, Sky, SkyKind,
     Switching, Transform,
 };
 use glam::{DQuat, DVec3, Vec3};
@@ -185,6 +185,29 @@ pub fn two_rooms() -> Scene {
     let mut built = room(WARM, BLUE);
     built.room("cellar", at(0.0, -3.0, 0.0), at(4.0, 3.0, 4.0), 0);
     built.light("lamp", at(-0.8, 2.2, 0.3), Changes::Anything);
+    built.scene
+}
+
+/// Not one of the ten: behind the viewer a lamp wanders in a closet about a mirror whose probe is
+/// captured in every frame.
+pub fn hidden_mirror() -> Scene {
+    let mut built = room(WARM, BLUE);
+    built.light("lamp", at(-0.8, 2.2, 0.3), Changes::Anything);
+    built.room("closet", at(-9.0, 1.5, 9.0), at(4.0, 3.0, 4.0), 0);
+    let points = vec![at(-10.0, 2.2, 9.3), at(-8.0, 2.4, 9.9)];
+    let lamp = built.light("closet lamp", points[0], Changes::Anything);
+    lamp.motion = Some(Motion::PingPong { points, seconds: 4.0, look: false });
+    let chrome = built.material("chrome", Vec3::splat(0.9));
+    (chrome.metallic, chrome.roughness) = (0.9, 0.1);
+    let chrome = chrome.id.0;
+    built.mesh("mirror ball", Shape::Sphere, placed(at(-10.0, 0.8, 10.0), 1.0), chrome);
+    let probe = ReflectionProbe {
+        resolution: 16,
+        refresh: Refresh::EveryFrame,
+        half_size: Vec3::new(2.0, 1.5, 2.0),
+        ..ReflectionProbe::default()
+    };
+    built.entity("closet reflections", placed(at(-9.0, 1.5, 9.0), 1.0)).reflection_probe = Some(probe);
     built.scene
 }
 

@@ -103,6 +103,19 @@ fn light_and_colour_change_without_a_ray() {
 }
 
 #[test]
+fn another_order_of_the_hierarchy_is_no_other_bake() {
+    let project = cube();
+    let first = baked(&project).transport;
+    change(&project, |scene| scene.entities.reverse());
+    let again = baked(&project);
+    assert!(again.unchanged && again.transport.hash() == first.hash());
+    std::fs::remove_dir_all(project.path().join("baked")).expect("the bake is removed");
+    let anew = baked(&project);
+    assert!(!anew.unchanged);
+    assert_eq!(anew.transport.hash(), first.hash());
+}
+
+#[test]
 fn a_wall_that_moves_is_baked_anew() {
     let project = cube();
     let first = baked(&project).transport;

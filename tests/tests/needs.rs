@@ -365,7 +365,7 @@ proptest! {
         let follows = |other: Feature| match feature {
             Feature::Sky => true,
             Feature::Reflections => matches!(other, Feature::Recaptures | Feature::UnseenCaptures),
-            Feature::Matrix => matches!(other, Feature::CoarseCorrection | Feature::Columns | Feature::Colour),
+            Feature::Matrix => matches!(other, Feature::CoarseCorrection | Feature::Columns),
             _ => false,
         };
         for other in Feature::ALL.into_iter().filter(|&other| other != feature && !follows(other)) {

@@ -3,6 +3,7 @@
 
 use std::mem::offset_of;
 
+use engine::render::Channels;
 use engine::render::coarse::CoarseUniform;
 use engine::render::exposure::{ExposureState, MeterUniform};
 use engine::render::frame::FrameUniform;
@@ -64,6 +65,16 @@ fn frame() {
     let fields = fields!(FrameUniform: clip_from_world, eye, forward, time, right, exposure, up, view,
         cascade_ends, cascade_texels, eye_depth, encode, pre_exposure, curve, capture, light_unit, directional);
     compare(shaders::SURFACE, "Frame", fields, size_of::<FrameUniform>());
+}
+
+#[test]
+fn light_in_one_channel_and_in_three() {
+    for defines in shaders::defines(shaders::BOUNCE.name) {
+        let module = shaders::library().unwrap().compose_with(shaders::BOUNCE, &defines).unwrap();
+        let channels = if defines.contains(&"GREY") { Channels::One } else { Channels::Three };
+        let stored = wgsl(&module, "Stored");
+        assert_eq!(stored, (vec![("light".to_owned(), 0)], channels.stride() as u32), "{defines:?}");
+    }
 }
 
 #[test]

@@ -44,6 +44,25 @@ fn engine_knows_nothing_of_its_users() {
 }
 
 #[test]
+fn the_player_is_built_from_engine_alone_and_the_others_exist() {
+    let players = packages_with_binary("hohlraum-play");
+    assert_eq!(players, ["engine"]);
+    for package in players {
+        let crates = dependencies(&package, "normal,build");
+        assert!(has(&crates, "winit"), "the player has a window: {crates:?}");
+        for absent in ["bake", "editor", "egui", "eframe"] {
+            assert!(!has(&crates, absent), "{package} depends on {absent}");
+        }
+    }
+    // What is looked for is there under these names.
+    let editor = dependencies("editor", "normal,build");
+    for there in ["engine", "bake"] {
+        assert!(has(&editor, there), "{there} goes by another name: {editor:?}");
+    }
+    assert_eq!(["hohlraum", "hohlraum-bake"].map(packages_with_binary), [["editor"], ["bake"]]);
+}
+
+#[test]
 fn the_bake_needs_no_gpu_and_no_window() {
     let crates = dependencies("bake", "normal,build");
     assert!(has(&crates, "obvhs"), "the tree is read: {crates:?}");
@@ -140,6 +159,24 @@ fn dependencies(package: &str, edges: &str) -> Vec<String> {
     let text = String::from_utf8(output.stdout).unwrap();
     let others = text.lines().skip(1).filter_map(|line| line.split(' ').next());
     others.map(str::to_owned).collect()
+}
+
+/// Packages of the workspace that build a program of this name.
+fn packages_with_binary(name: &str) -> Vec<String> {
+    let output = Command::new(env!("CARGO"))
+        .args(["metadata", "--offline", "--no-deps", "--format-version", "1"])
+        .current_dir(workspace())
+        .stdin(Stdio::null())
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let about: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let has_it = |package: &&serde_json::Value| {
+        let targets = package["targets"].as_array().unwrap().iter();
+        targets.clone().any(|target| target["name"] == name && target["kind"][0] == "bin")
+    };
+    let packages = about["packages"].as_array().unwrap().iter().filter(has_it);
+    packages.map(|package| package["name"].as_str().unwrap().to_owned()).collect()
 }
 
 fn has(crates: &[String], name: &str) -> bool {

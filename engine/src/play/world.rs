@@ -25,7 +25,7 @@ pub struct World {
     pub transport: Arc<Transport>,
     /// What is there of all that costs, what is left out, and why.
     pub needs: Needs,
-    /// What the author says of features.
+    /// What the author says of features, and promises.
     pub features: Asked,
     /// What of the scene has no baked light, and why.
     pub left_out: Vec<String>,
@@ -68,6 +68,7 @@ impl World {
             transport.origin = origin_near((low + high) * 0.5);
         }
         let needs = needs_in_play(&scene, &assets, &transport, &settings.features);
+        let asked = Asked::new(&settings.features).promising_grey(!needs.has(Feature::Colour));
         let transport = Arc::new(transport);
         let unlimited_gain = settings.bake.unlimited_gain;
         let (size, default_eye) = ((high - low).length(), Eye::framing(low, high));
@@ -79,7 +80,7 @@ impl World {
             assets,
             transport,
             needs,
-            features: Asked::new(&settings.features),
+            features: asked,
             forced: settings.features,
             left_out,
             unlimited_gain,

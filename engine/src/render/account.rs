@@ -3,9 +3,10 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use glam::{DVec3, Vec3, Vec4};
+use glam::{DVec3, Vec3};
 
 use super::RenderError;
+use super::channels::Channels;
 use super::direct::PatchShadows;
 use super::frame::{FrameUniform, Renderer};
 use super::objects::Objects;
@@ -100,8 +101,8 @@ impl Renderer {
         let (spaces, unit) = (&self.spaces, self.sources.unit());
         let baked = self.responses.spread.radiosity.clone();
         let read = |buffer: &wgpu::Buffer, count: usize, unit: f32| -> Result<Vec<Vec3>, GpuError> {
-            let values: Vec<Vec4> = buffer::read(&self.gpu, buffer)?;
-            Ok(values.into_iter().take(count).map(|value| value.truncate() * unit).collect())
+            let values = spaces.channels.read(&self.gpu, buffer)?;
+            Ok(values.into_iter().take(count).map(|value| value * unit).collect())
         };
         // What is emitted and what bounced lie apart.
         let sum = |[emitted, bounced]: &[wgpu::Buffer; 2], count| -> Result<Vec<Vec3>, GpuError> {
@@ -169,11 +170,12 @@ impl Renderer {
     }
 
     /// Bytes on the GPU by kind.
-    pub fn bytes(&self) -> [(&'static str, u64); 13] {
+    pub fn bytes(&self) -> [(&'static str, u64); 14] {
         let [receiver_rows, probe_rows] = self.gather.bytes();
         [
             ("rows", self.bounce.bytes() + receiver_rows),
             ("rows of probes", probe_rows),
+            ("patches", self.spaces.patch_bytes),
             ("light", self.spaces.bytes),
             ("light of probes", self.spaces.probe_bytes() + self.objects.bytes()),
             ("coarse correction", self.coarse.bytes),
@@ -197,6 +199,10 @@ impl Renderer {
         }
         if self.transport.directional_receivers() == 0 {
             left_out.push("directional terms: no normal map on a baked surface".to_owned());
+        }
+        if self.spaces.channels == Channels::One {
+            left_out
+                .push("two channels of light: nothing that it comes from or meets has a colour".to_owned());
         }
         if !self.instances.any_moving() {
             left_out.push("light probes: nothing moves".to_owned());

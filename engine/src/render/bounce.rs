@@ -6,6 +6,7 @@
 
 use std::sync::Arc;
 
+use super::channels::Channels;
 use super::coarse::Coarse;
 use super::rows::{PagedRows, Summed};
 use super::shaders;
@@ -19,7 +20,9 @@ use crate::gpu::timing::Timer;
 
 pub struct Bounce {
     pipelines: Compute,
+    layout: wgpu::BindGroupLayout,
     group: wgpu::BindGroup,
+    channels: Channels,
     summed: Summed,
     rows: PagedRows,
     patch_count: u32,
@@ -45,16 +48,12 @@ impl Bounce {
             &[Binding::Read, Binding::Read, Binding::Read, Binding::Write, Binding::Write],
         );
         let tally = buffer::empty(gpu, "tally", 64, wgpu::BufferUsages::STORAGE);
-        let group = pass::buffers(
-            gpu,
-            "bounce",
-            &layout,
-            &[&spaces.radiosity, &spaces.exitance, &spaces.albedo, &spaces.next, &tally],
-        );
         let groups = [None, None, Some(&layout), Some(page_layout)];
         Self {
             pipelines: Compute::new(compiler, shaders::BOUNCE, &groups),
-            group,
+            group: group(gpu, &layout, spaces, &tally),
+            layout,
+            channels: spaces.channels,
             summed,
             rows,
             patch_count: spaces.patch_count,
@@ -62,6 +61,12 @@ impl Bounce {
             readback: Readback::new(gpu, 64),
             sending: None,
         }
+    }
+
+    /// Light lies elsewhere.
+    pub fn bind(&mut self, gpu: &Gpu, spaces: &Spaces) {
+        self.group = group(gpu, &self.layout, spaces, &self.tally);
+        self.channels = spaces.channels;
     }
 
     pub fn bytes(&self) -> u64 {
@@ -91,17 +96,18 @@ impl Bounce {
             label: Some("bounce"),
             timestamp_writes: timer.compute("bounce"),
         });
+        let defines = self.rows.defines(self.channels);
         for product in 1..=products {
             let entry = match self.summed {
                 Summed::ByThread => "bounce",
                 Summed::ByGroup => "bounce_by_group",
             };
-            if !self.pipelines.set(&mut pass, entry, self.rows.defines()) {
+            if !self.pipelines.set(&mut pass, entry, defines) {
                 return 0;
             }
             pass.set_bind_group(2, &self.group, &[]);
             dispatches += self.rows.dispatch(&mut pass, self.summed);
-            if product == products && self.pipelines.set(&mut pass, "measure", self.rows.defines()) {
+            if product == products && self.pipelines.set(&mut pass, "measure", defines) {
                 dispatches += self.rows.dispatch(&mut pass, Summed::ByThread);
             }
             dispatches += coarse.correct(&mut pass);
@@ -126,4 +132,14 @@ impl Bounce {
             exitance: tally[2] * unit,
         })
     }
+}
+
+fn group(
+    gpu: &Gpu,
+    layout: &wgpu::BindGroupLayout,
+    spaces: &Spaces,
+    tally: &wgpu::Buffer,
+) -> wgpu::BindGroup {
+    let Spaces { radiosity, exitance, albedo, next, .. } = spaces;
+    pass::buffers(gpu, "bounce", layout, &[radiosity, exitance, albedo, next, tally])
 }

@@ -4,9 +4,10 @@
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
-use glam::Vec4;
+use glam::Vec3;
 use wgpu::BufferUsages as Usage;
 
+use super::channels::Channels;
 use super::shaders;
 use super::spaces::Spaces;
 use crate::gpu::pass::{self, Binding, GROUP};
@@ -34,6 +35,7 @@ pub struct Coarse {
     before: wgpu::BindGroup,
     light: wgpu::BindGroup,
     own: [wgpu::BindGroup; 2],
+    channels: Channels,
     uniform: CoarseUniform,
     pub bytes: u64,
 }
@@ -62,59 +64,57 @@ impl Coarse {
         };
         Self {
             pipelines,
-            before: pass::buffers(gpu, "coarse", &layouts[0], &[&spaces.radiosity, &spaces.next]),
-            light: pass::buffers(
-                gpu,
-                "coarse",
-                &layouts[2],
-                &[
-                    &spaces.patches,
-                    &spaces.next,
-                    &spaces.exitance,
-                    &spaces.emitted,
-                    &spaces.albedo,
-                    &spaces.radiosity,
-                    &spaces.bounced,
-                ],
-            ),
-            own: own(gpu, &layouts, uniform, &[], &[]),
+            before: before(gpu, &layouts, spaces),
+            light: light(gpu, &layouts, spaces),
+            own: own(gpu, &layouts, (uniform, spaces.channels), &[], &[]),
+            channels: spaces.channels,
             layouts,
             uniform,
             bytes: 0,
         }
     }
 
+    /// Light lies elsewhere. There are no aggregates again, until [`Self::set`].
+    pub fn bind(&mut self, gpu: &Gpu, spaces: &Spaces) {
+        self.before = before(gpu, &self.layouts, spaces);
+        self.light = light(gpu, &self.layouts, spaces);
+        (self.channels, self.uniform.aggregates, self.bytes) = (spaces.channels, 0, 0);
+        self.own = own(gpu, &self.layouts, (self.uniform, self.channels), &[], &[]);
+    }
+
     /// No aggregates: no correction, and a product ends with one dispatch instead of three. Done again when albedo
     /// changes.
     pub fn set(&mut self, gpu: &Gpu, coarse: &solve::Coarse) -> Result<(), GpuError> {
-        gpu.fits("coarse correction", coarse.restricted.len() as u64 * 16)?;
+        gpu.fits("coarse correction", coarse.restricted.len() as u64 * self.channels.stride())?;
         // One workgroup solves: more aggregates than it has threads are as good as none.
         let aggregates = if coarse.m <= MOST { coarse.m } else { 0 };
-        let restricted = &coarse.restricted[..aggregates * self.uniform.patches as usize];
+        let restricted = coarse.restricted[..aggregates * self.uniform.patches as usize].iter();
+        let restricted: Vec<Vec3> = restricted.map(|restricted| restricted.truncate()).collect();
         let [red, green, blue] = &coarse.inverse;
-        let inverse: Vec<Vec4> =
-            (0..aggregates * aggregates).map(|i| Vec4::new(red[i], green[i], blue[i], 0.0)).collect();
+        let inverse: Vec<Vec3> =
+            (0..aggregates * aggregates).map(|i| Vec3::new(red[i], green[i], blue[i])).collect();
         self.uniform.aggregates = aggregates as u32;
-        self.own = own(gpu, &self.layouts, self.uniform, restricted, &inverse);
-        self.bytes = (restricted.len() + inverse.len()) as u64 * 16;
+        self.own = own(gpu, &self.layouts, (self.uniform, self.channels), &restricted, &inverse);
+        self.bytes = (restricted.len() + inverse.len()) as u64 * self.channels.stride();
         Ok(())
     }
 
     /// Turns `next` into `radiosity` and `bounced`. Returns the dispatches.
     pub fn correct(&self, pass: &mut wgpu::ComputePass<'_>) -> u32 {
+        let defines = self.channels.defines();
         let mut dispatches = 1;
         if self.uniform.aggregates > 0 {
             pass.set_bind_group(2, &self.before, &[]);
             pass.set_bind_group(3, &self.own[0], &[]);
-            if self.pipelines[0].set(pass, "restrict_change", &[]) {
+            if self.pipelines[0].set(pass, "restrict_change", defines) {
                 pass::dispatch(pass, self.uniform.aggregates * self.uniform.chunks);
             }
-            if self.pipelines[0].set(pass, "solve", &[]) {
+            if self.pipelines[0].set(pass, "solve", defines) {
                 pass.dispatch_workgroups(1, 1, 1);
             }
             dispatches += 2;
         }
-        if !self.pipelines[1].set(pass, "correct", &[]) {
+        if !self.pipelines[1].set(pass, "correct", defines) {
             return 0;
         }
         pass.set_bind_group(2, &self.light, &[]);
@@ -127,18 +127,30 @@ impl Coarse {
 fn own(
     gpu: &Gpu,
     layouts: &[wgpu::BindGroupLayout; 4],
-    uniform: CoarseUniform,
-    restricted: &[Vec4],
-    inverse: &[Vec4],
+    (uniform, channels): (CoarseUniform, Channels),
+    restricted: &[Vec3],
+    inverse: &[Vec3],
 ) -> [wgpu::BindGroup; 2] {
-    let parts = u64::from(uniform.aggregates) * u64::from(uniform.chunks) * 16;
+    let parts = u64::from(uniform.aggregates) * u64::from(uniform.chunks) * channels.stride();
     let uniform = buffer::filled(gpu, "coarse", &[uniform], Usage::UNIFORM);
-    let restricted = buffer::filled(gpu, "restricted", restricted, Usage::STORAGE);
-    let inverse = buffer::filled(gpu, "inverse", inverse, Usage::STORAGE);
+    let filled = |label, values: &[Vec3]| {
+        buffer::filled(gpu, label, &channels.bytes_of(values.iter().copied()), Usage::STORAGE)
+    };
+    let (restricted, inverse) = (filled("restricted", restricted), filled("inverse", inverse));
     let parts = buffer::empty(gpu, "coarse parts", parts, Usage::STORAGE);
-    let correction = buffer::empty(gpu, "correction", MOST as u64 * 16, Usage::STORAGE);
+    let correction = buffer::empty(gpu, "correction", MOST as u64 * channels.stride(), Usage::STORAGE);
     [
         pass::buffers(gpu, "coarse", &layouts[1], &[&uniform, &restricted, &parts, &inverse, &correction]),
         pass::buffers(gpu, "coarse", &layouts[3], &[&uniform, &correction]),
     ]
+}
+
+fn before(gpu: &Gpu, layouts: &[wgpu::BindGroupLayout; 4], spaces: &Spaces) -> wgpu::BindGroup {
+    pass::buffers(gpu, "coarse", &layouts[0], &[&spaces.radiosity, &spaces.next])
+}
+
+fn light(gpu: &Gpu, layouts: &[wgpu::BindGroupLayout; 4], spaces: &Spaces) -> wgpu::BindGroup {
+    let Spaces { patches, next, exitance, emitted, albedo, radiosity, bounced, .. } = spaces;
+    let buffers = [patches, next, exitance, emitted, albedo, radiosity, bounced];
+    pass::buffers(gpu, "coarse", &layouts[2], &buffers)
 }

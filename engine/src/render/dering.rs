@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::channels::Channels;
 use super::gather::Source;
 use super::shaders;
 use super::spaces::Spaces;
@@ -15,6 +16,7 @@ pub struct Dering {
     /// By source.
     probes: [wgpu::BindGroup; 2],
     count: u32,
+    channels: Channels,
     layout: wgpu::BindGroupLayout,
 }
 
@@ -25,6 +27,7 @@ impl Dering {
             pipeline: Compute::new(compiler, shaders::DERING, &[None, None, Some(&layout)]),
             probes: groups(gpu, &layout, spaces),
             count: spaces.probe_count,
+            channels: spaces.channels,
             layout,
         }
     }
@@ -32,6 +35,7 @@ impl Dering {
     /// The light of probes lies elsewhere.
     pub fn bind(&mut self, gpu: &Gpu, spaces: &Spaces) {
         self.probes = groups(gpu, &self.layout, spaces);
+        self.channels = spaces.channels;
     }
 
     /// Returns the dispatches.
@@ -43,7 +47,7 @@ impl Dering {
             label: Some("dering"),
             timestamp_writes: timer.compute("dering"),
         });
-        if !self.pipeline.set(&mut pass, "dering", &[]) {
+        if !self.pipeline.set(&mut pass, "dering", self.channels.defines()) {
             return 0;
         }
         pass.set_bind_group(2, &self.probes[source as usize], &[]);

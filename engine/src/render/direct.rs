@@ -28,6 +28,7 @@ pub enum PatchShadows {
 
 pub struct Direct {
     pipelines: Compute,
+    layout: wgpu::BindGroupLayout,
     group: wgpu::BindGroup,
     /// Once a light shines.
     rays: Option<Rays>,
@@ -54,12 +55,8 @@ impl Direct {
         let groups = [Some(frame_layout), Some(scene_layout), Some(&layout), Some(&rays_layout)];
         Self {
             pipelines: Compute::new(compiler, shaders::DIRECT, &groups),
-            group: pass::buffers(
-                gpu,
-                "direct",
-                &layout,
-                &[&spaces.patches, &spaces.samples, &spaces.albedo, &spaces.emitted, &spaces.exitance],
-            ),
+            group: group(gpu, &layout, spaces),
+            layout,
             rays: None,
             rays_layout,
             patch_count: spaces.patch_count,
@@ -100,6 +97,11 @@ impl Direct {
         Ok(switched || moved || (maps_changed && by_maps))
     }
 
+    /// Light lies elsewhere.
+    pub fn bind(&mut self, gpu: &Gpu, spaces: &Spaces) {
+        self.group = group(gpu, &self.layout, spaces);
+    }
+
     pub fn used(&self) -> PatchShadows {
         self.used
     }
@@ -129,7 +131,7 @@ impl Direct {
             timestamp_writes: timer.compute("direct"),
         });
         let entry = if self.used == PatchShadows::Rays { "direct_by_rays" } else { "direct" };
-        if !self.pipelines.set(&mut pass, entry, &[]) {
+        if !self.pipelines.set(&mut pass, entry, spaces.channels.defines()) {
             return 0;
         }
         pass.set_bind_group(0, frame, &[]);
@@ -139,4 +141,9 @@ impl Direct {
         pass::dispatch(&mut pass, self.patch_count);
         1
     }
+}
+
+fn group(gpu: &Gpu, layout: &wgpu::BindGroupLayout, spaces: &Spaces) -> wgpu::BindGroup {
+    let Spaces { patches, samples, albedo, emitted, exitance, .. } = spaces;
+    pass::buffers(gpu, "direct", layout, &[patches, samples, albedo, emitted, exitance])
 }

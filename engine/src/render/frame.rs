@@ -228,7 +228,7 @@ impl Renderer {
             paged("receiver", &transport.receiver_from_patch)?,
             paged("directional", &transport.directional_from_patch)?,
         ];
-        let spaces = Spaces::new(gpu_ref, &transport)?;
+        let spaces = Spaces::new(gpu_ref, &transport, asked.channels(|| false))?;
         let occluders = Occluders::new(&transport);
         let mut pictures = Pictures::new(gpu_ref, compiler);
         pictures.uploads = Uploads::at_most(settings.uploads);
@@ -320,14 +320,9 @@ impl Renderer {
         let sky = self.sky_of(now);
         let sky_changed = self.sky.update(gpu, now.assets, &mut self.pictures, &sky.kind, &lights);
         let brightest = lights::brightest(&lights).max(self.steering.brightest());
-        let emitted = self.sources.update(
-            gpu,
-            (now, &sky),
-            materials_changed,
-            brightest,
-            &self.spaces,
-            &mut self.coarse,
-        )?;
+        let emitted = self.sources.update((now, &sky), materials_changed, brightest);
+        let emitted = if self.follow_colour(&lights)? { emitted.and_all() } else { emitted };
+        self.sources.upload(gpu, emitted, &self.spaces, &mut self.coarse)?;
 
         // What the lights see.
         let casters = Casters {

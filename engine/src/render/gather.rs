@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 
+use super::channels::Channels;
 use super::rows::{PagedRows, Summed};
 use super::shaders;
 use super::spaces::Spaces;
@@ -41,6 +42,7 @@ pub struct Gather {
     page_layout: wgpu::BindGroupLayout,
     /// By source.
     receivers: [wgpu::BindGroup; 2],
+    channels: Channels,
     /// `None` where there are no directional rows.
     directional: Option<[wgpu::BindGroup; 2]>,
     mean_own: wgpu::BindGroup,
@@ -75,16 +77,16 @@ impl Gather {
             padding: 0,
         };
         let uniform = buffer::filled(gpu, "mean", &[uniform], wgpu::BufferUsages::UNIFORM);
-        let sources = [&spaces.emitted, &spaces.bounced];
         let groups_of_rows = [Some(frame_layout), None, Some(&layout), Some(page_layout)];
         let groups_of_mean = [None, None, Some(&layout), Some(&mean_layout)];
         Self {
             pipelines: Compute::new(compiler, shaders::GATHER, &groups_of_rows),
             mean: Compute::new(compiler, shaders::MEAN, &groups_of_mean),
             summed,
-            receivers: groups(gpu, &layout, sources, &spaces.receivers),
+            receivers: to_receivers(gpu, &layout, spaces, 0),
             directional: (!directional_rows.is_empty())
-                .then(|| groups_from(gpu, &layout, sources, (&spaces.receivers, spaces.directional))),
+                .then(|| to_receivers(gpu, &layout, spaces, spaces.directional)),
+            channels: spaces.channels,
             mean_own: pass::buffers(gpu, "mean", &mean_layout, &[&uniform]),
             receiver_rows,
             directional_rows,
@@ -92,6 +94,17 @@ impl Gather {
             page_layout: page_layout.clone(),
             layout,
         }
+    }
+
+    /// Light lies elsewhere.
+    pub fn bind(&mut self, gpu: &Gpu, spaces: &Spaces) {
+        let to_receivers = |first| to_receivers(gpu, &self.layout, spaces, first);
+        self.receivers = to_receivers(0);
+        self.directional = self.directional.take().map(|_| to_receivers(spaces.directional));
+        if let Some(probes) = &mut self.probes {
+            (probes.groups, probes.means) = to_probes(gpu, &self.layout, spaces);
+        }
+        self.channels = spaces.channels;
     }
 
     /// Uploads the rows of probes, or gives them back.
@@ -104,12 +117,8 @@ impl Gather {
     ) -> Result<(), GpuError> {
         self.probes = None;
         if held {
-            let to = |from| groups(gpu, &self.layout, from, &spaces.probes);
-            self.probes = Some(OfProbes {
-                rows: rows(&self.page_layout)?,
-                groups: to([&spaces.emitted, &spaces.bounced]),
-                means: to(spaces.receivers.each_ref()),
-            });
+            let (groups, means) = to_probes(gpu, &self.layout, spaces);
+            self.probes = Some(OfProbes { rows: rows(&self.page_layout)?, groups, means });
         }
         Ok(())
     }
@@ -121,7 +130,7 @@ impl Gather {
             label: Some("gather"),
             timestamp_writes: timer.compute("gather"),
         });
-        if !self.mean.set(&mut pass, "mean", &[]) {
+        if !self.mean.set(&mut pass, "mean", self.channels.defines()) {
             return 0;
         }
         pass.set_bind_group(3, &self.mean_own, &[]);
@@ -162,22 +171,22 @@ impl Gather {
         };
         pass.set_bind_group(0, frame, &[]);
         let mut dispatches = 0;
-        if self.pipelines.set(&mut pass, entry, self.receiver_rows.defines()) {
+        if self.pipelines.set(&mut pass, entry, self.receiver_rows.defines(self.channels)) {
             pass.set_bind_group(2, &self.receivers[which], &[]);
             dispatches += self.receiver_rows.dispatch(&mut pass, self.summed);
         }
         if let Some(directional) = &self.directional
-            && self.pipelines.set(&mut pass, entry, self.directional_rows.defines())
+            && self.pipelines.set(&mut pass, entry, self.directional_rows.defines(self.channels))
         {
             pass.set_bind_group(2, &directional[which], &[]);
             dispatches += self.directional_rows.dispatch(&mut pass, self.summed);
         }
         let Some(probes) = &self.probes else { return dispatches };
-        if self.pipelines.set(&mut pass, entry, probes.rows.defines()) {
+        if self.pipelines.set(&mut pass, entry, probes.rows.defines(self.channels)) {
             pass.set_bind_group(2, &probes.groups[which], &[]);
             dispatches += probes.rows.dispatch(&mut pass, self.summed);
         }
-        if !self.mean.set(&mut pass, "mean", &[]) {
+        if !self.mean.set(&mut pass, "mean", self.channels.defines()) {
             return dispatches;
         }
         pass.set_bind_group(2, &probes.means[which], &[]);
@@ -187,26 +196,37 @@ impl Gather {
     }
 }
 
-/// By source.
+/// By source: to receivers, or to their terms, from an element on.
+fn to_receivers(
+    gpu: &Gpu,
+    layout: &wgpu::BindGroupLayout,
+    spaces: &Spaces,
+    first: u32,
+) -> [wgpu::BindGroup; 2] {
+    let offset = u64::from(first) * spaces.channels.stride();
+    groups(gpu, layout, [&spaces.emitted, &spaces.bounced], (&spaces.receivers, offset))
+}
+
+/// By source: what they gather, and the mean of receivers.
+fn to_probes(
+    gpu: &Gpu,
+    layout: &wgpu::BindGroupLayout,
+    spaces: &Spaces,
+) -> ([wgpu::BindGroup; 2], [wgpu::BindGroup; 2]) {
+    let to = |from| groups(gpu, layout, from, (&spaces.probes, 0));
+    (to([&spaces.emitted, &spaces.bounced]), to(spaces.receivers.each_ref()))
+}
+
+/// By source. Written from a byte on.
 fn groups(
     gpu: &Gpu,
     layout: &wgpu::BindGroupLayout,
     from: [&wgpu::Buffer; 2],
-    to: &[wgpu::Buffer; 2],
-) -> [wgpu::BindGroup; 2] {
-    groups_from(gpu, layout, from, (to, 0))
-}
-
-/// Written from an element on.
-fn groups_from(
-    gpu: &Gpu,
-    layout: &wgpu::BindGroupLayout,
-    from: [&wgpu::Buffer; 2],
-    (to, first): (&[wgpu::Buffer; 2], u32),
+    (to, offset): (&[wgpu::Buffer; 2], u64),
 ) -> [wgpu::BindGroup; 2] {
     [0, 1].map(|source| {
         let buffer = &to[source];
-        let written = wgpu::BufferBinding { buffer, offset: u64::from(first) * 16, size: None };
+        let written = wgpu::BufferBinding { buffer, offset, size: None };
         let resources = [from[source].as_entire_binding(), wgpu::BindingResource::Buffer(written)];
         pass::group(gpu, "gather", layout, &resources)
     })

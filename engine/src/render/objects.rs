@@ -4,6 +4,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
+use super::channels::Channels;
 use super::instances::Instances;
 use super::shaders;
 use super::spaces::Spaces;
@@ -26,6 +27,7 @@ pub struct Objects {
     weights: Held<Weights>,
     /// Nine an instance.
     light: [wgpu::Buffer; 2],
+    channels: Channels,
     pipeline: Compute,
     layout: wgpu::BindGroupLayout,
     group: wgpu::BindGroup,
@@ -40,7 +42,8 @@ impl Objects {
         let [read, write] = [Binding::Read, Binding::Write];
         let layout = pass::layout(gpu, "objects", compute, &[read, read, read, write, write]);
         let weights = Held::new(gpu, "objects", wgpu::BufferUsages::STORAGE);
-        let light = light_for(gpu, &weights);
+        let channels = spaces.channels;
+        let light = light_for(gpu, &weights, channels);
         Self {
             transport,
             field: OnceLock::new(),
@@ -49,6 +52,7 @@ impl Objects {
             group: group(gpu, &layout, spaces, &weights, &light),
             weights,
             light,
+            channels,
             layout,
             mean_probe: spaces.probe_count,
             changed: false,
@@ -59,8 +63,12 @@ impl Objects {
         self.field.get_or_init(|| ProbeField::new(&self.transport))
     }
 
-    /// The light of probes lies elsewhere.
+    /// The light of probes lies elsewhere. Whoever bound [`Self::light`] binds it anew where its channels are others.
     pub fn bind(&mut self, gpu: &Gpu, spaces: &Spaces) {
+        if self.channels != spaces.channels {
+            self.channels = spaces.channels;
+            self.light = light_for(gpu, &self.weights, self.channels);
+        }
         self.group = group(gpu, &self.layout, spaces, &self.weights, &self.light);
         self.changed = true;
     }
@@ -103,7 +111,7 @@ impl Objects {
         let generation = self.weights.generation;
         self.changed |= self.weights.write(gpu, &weights);
         if self.weights.generation != generation {
-            self.light = light_for(gpu, &self.weights);
+            self.light = light_for(gpu, &self.weights, self.channels);
             self.group = group(gpu, &self.layout, spaces, &self.weights, &self.light);
         }
     }
@@ -123,7 +131,7 @@ impl Objects {
             label: Some("objects"),
             timestamp_writes: timer.compute("objects"),
         });
-        if !self.pipeline.set(&mut pass, "objects_light", &[]) {
+        if !self.pipeline.set(&mut pass, "objects_light", self.channels.defines()) {
             return 0;
         }
         pass.set_bind_group(2, &self.group, &[]);
@@ -133,9 +141,10 @@ impl Objects {
 }
 
 /// Room for as many objects as there is room for weights.
-fn light_for(gpu: &Gpu, weights: &Held<Weights>) -> [wgpu::Buffer; 2] {
+fn light_for(gpu: &Gpu, weights: &Held<Weights>, channels: Channels) -> [wgpu::Buffer; 2] {
     let objects = weights.buffer().size() / size_of::<Weights>() as u64;
-    let light = |label| buffer::empty(gpu, label, objects * 9 * 16, wgpu::BufferUsages::STORAGE);
+    let bytes = objects * 9 * channels.stride();
+    let light = |label| buffer::empty(gpu, label, bytes, wgpu::BufferUsages::STORAGE);
     [light("objects, direct"), light("objects, indirect")]
 }
 

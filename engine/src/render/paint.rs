@@ -1,6 +1,7 @@
 //! The picture, once all light is where it is read: surfaces, sky and blended surfaces; then exposure, tone curve and
 //! overlay.
 
+use super::channels::Channels;
 use super::frame::{Now, Renderer};
 use super::probes;
 use super::surface::{Look, Parts, Scenery, Variants, Which};
@@ -119,6 +120,7 @@ impl Renderer {
             unlit: of_materials,
             lights: !self.shadows.lights().is_empty(),
             cubemaps: self.reflections.any(),
+            grey: self.spaces.channels == Channels::One,
         };
         let masks_with_cubemaps = self.gpu.software && self.gpu.info.backend == wgpu::Backend::Vulkan;
         Variants { there, alike: forced == Some(Forced::In), masks_with_cubemaps }

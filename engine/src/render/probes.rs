@@ -6,6 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Vec3, Vec4};
 use wgpu::vertex_attr_array;
 
+use super::channels::Channels;
 use super::lines::Line;
 use super::spaces::Spaces;
 use super::{shaders, surface, targets};
@@ -38,7 +39,7 @@ const SPHERE: [wgpu::VertexAttribute; 2] = vertex_attr_array![1 => Float32x4, 2 
 pub struct Probes {
     layout: wgpu::PipelineLayout,
     light_layout: wgpu::BindGroupLayout,
-    pipelines: Pipelines<Samples, wgpu::RenderPipeline>,
+    pipelines: Pipelines<Drawn, wgpu::RenderPipeline>,
     made: Option<Made>,
 }
 
@@ -49,13 +50,21 @@ struct Made {
     spheres: wgpu::Buffer,
 }
 
-/// A pixel's.
+/// What tells one pipeline from another.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
-struct Samples(u32);
+struct Drawn {
+    /// A pixel's.
+    samples: u32,
+    channels: Channels,
+}
 
-impl Variant for Samples {
+impl Variant for Drawn {
     fn name(&self) -> String {
         "probes".to_owned()
+    }
+
+    fn defines(&self) -> Vec<&'static str> {
+        self.channels.defines().to_vec()
     }
 }
 
@@ -87,9 +96,8 @@ impl Probes {
         }
         let light = self.light(gpu, spaces);
         let made = self.made.get_or_insert_with(|| make(gpu, transport, field));
-        let samples = Samples(samples);
-        let pipeline =
-            self.pipelines.get(samples, |gpu, module| pipeline(gpu, module, &self.layout, samples.0));
+        let drawn = Drawn { samples, channels: spaces.channels };
+        let pipeline = self.pipelines.get(drawn, |gpu, module| pipeline(gpu, module, &self.layout, samples));
         let Some(pipeline) = pipeline else { return 0 };
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, frame, &[]);

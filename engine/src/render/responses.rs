@@ -1,6 +1,9 @@
 //! Light that was solved at the bake ([`crate::transport::solved`]): responses are added up where the intensity of a
 //! source has changed, and uploaded. No row, no product, no gather.
 
+use std::cell::OnceCell;
+
+use super::channels::is_grey;
 use super::frame::{Drawn, Renderer};
 use super::gather::Source;
 use super::spaces::Spaces;
@@ -14,6 +17,8 @@ pub struct Responses {
     /// Intensities of all sources, as they were added up last.
     scale: Option<Vec<f32>>,
     pub spread: Spread,
+    /// Whether none has a colour, once somebody has asked.
+    grey: OnceCell<bool>,
 }
 
 impl Responses {
@@ -26,6 +31,17 @@ impl Responses {
         self.spread = solved.combine(&scale);
         self.scale = Some(scale);
         true
+    }
+
+    /// They are all uploaded anew.
+    pub fn forget(&mut self) {
+        self.scale = None;
+    }
+
+    /// Whether no source gives light of a colour, however bright it is.
+    pub fn is_grey(&self, solved: &Solved) -> bool {
+        let grey = |spread: &Spread| spread.arrays().into_iter().flatten().all(is_grey);
+        *self.grey.get_or_init(|| solved.responses.iter().all(|response| grey(&response.spread)))
     }
 
     fn upload(&self, gpu: &Gpu, spaces: &Spaces, probes_read: bool) {

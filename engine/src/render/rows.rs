@@ -5,6 +5,7 @@ use std::ops::Range;
 use bytemuck::{Pod, Zeroable};
 use wgpu::BufferUsages as Usage;
 
+use super::channels::Channels;
 use crate::gpu::pass::{self, Binding};
 use crate::gpu::pipeline::Defines;
 use crate::gpu::{Gpu, GpuError, buffer};
@@ -104,9 +105,13 @@ impl PagedRows {
         Ok(paged)
     }
 
-    /// What is defined in shaders that sum these rows.
-    pub fn defines(&self) -> Defines {
-        if self.dense { &["DENSE"] } else { &[] }
+    /// What is defined in shaders that sum these rows over light of so many channels.
+    pub fn defines(&self, channels: Channels) -> Defines {
+        match (self.dense, channels) {
+            (false, channels) => channels.defines(),
+            (true, Channels::Three) => &["DENSE"],
+            (true, Channels::One) => &["DENSE", "GREY"],
+        }
     }
 
     pub fn is_empty(&self) -> bool {

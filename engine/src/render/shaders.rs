@@ -8,11 +8,12 @@ use crate::gpu::shader::{Library, Source};
 use crate::gpu::{Gpu, GpuError};
 
 /// Files that others import; each stands behind those that it imports itself.
-pub const IMPORTED: [Source; 11] = [
+pub const IMPORTED: [Source; 12] = [
     Source { name: "frame", text: include_str!("../../../shaders/frame.wgsl") },
     Source { name: "scene/mesh", text: include_str!("../../../shaders/scene/mesh.wgsl") },
     Source { name: "scene/material", text: include_str!("../../../shaders/scene/material.wgsl") },
     Source { name: "scene/light", text: include_str!("../../../shaders/scene/light.wgsl") },
+    Source { name: "transport/channels", text: include_str!("../../../shaders/transport/channels.wgsl") },
     Source { name: "transport/patch", text: include_str!("../../../shaders/transport/patch.wgsl") },
     Source { name: "transport/rays", text: include_str!("../../../shaders/transport/rays.wgsl") },
     Source {
@@ -68,16 +69,21 @@ pub const OUTLINE: Source = Source { name: "outline", text: include_str!("../../
 pub const WIREFRAME: Source =
     Source { name: "wireframe", text: include_str!("../../../shaders/wireframe.wgsl") };
 
-/// What may be defined in a pass, each set as some scene has it: nothing, each part alone, and all of them.
+/// What may be defined in a pass, in sets like those of some scenes: nothing, each part alone, all but each, and all of
+/// them.
 pub fn defines(pass: &str) -> Vec<Vec<&'static str>> {
     let all = match pass {
         "surface" => Parts::ALL.defines(),
         "shadow" => vec!["HOLES"],
-        "transport/bounce" | "transport/gather" => vec!["DENSE"],
+        "transport/bounce" | "transport/gather" => vec!["DENSE", "GREY"],
+        "transport/direct" | "transport/coarse" | "transport/unit" => vec!["GREY"],
+        "transport/mean" | "transport/dering" | "transport/objects" | "probes" => vec!["GREY"],
         _ => Vec::new(),
     };
     let alone = all.iter().map(|part| vec![*part]);
-    [Vec::new()].into_iter().chain(alone).chain([all.clone()]).collect()
+    let without = |part| all.iter().copied().filter(|other| *other != part).collect::<Vec<_>>();
+    let all_but = all.iter().copied().map(without);
+    [Vec::new()].into_iter().chain(alone).chain(all_but).chain([all.clone()]).collect()
 }
 
 /// What makes pipelines of them.

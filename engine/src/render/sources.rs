@@ -6,6 +6,7 @@ use std::sync::{Arc, mpsc};
 use glam::Vec3;
 
 use super::Settings;
+use super::channels::is_grey;
 use super::coarse::Coarse;
 use super::frame::Now;
 use super::spaces::Spaces;
@@ -41,6 +42,8 @@ struct Held {
     sky: Sky,
     /// By sky patch; empty where the transport has none.
     radiance: Vec<Vec3>,
+    /// Any of it is not grey.
+    is_coloured: bool,
 }
 
 /// What differs from the last frame.
@@ -51,6 +54,13 @@ pub struct Changed {
     pub emission: bool,
     /// Old unit of radiosity by new unit.
     pub rescaled: Option<f32>,
+}
+
+impl Changed {
+    /// All of it is new.
+    pub fn and_all(self) -> Self {
+        Self { albedo: true, emission: true, ..self }
+    }
 }
 
 impl Sources {
@@ -73,15 +83,12 @@ impl Sources {
     /// Follows materials and sky. `brightest`: of punctual lights, and of what still bounces [W/m2].
     pub fn update(
         &mut self,
-        gpu: &Gpu,
         (now, sky): (&Now<'_>, &Sky),
         materials_changed: bool,
         brightest: f32,
-        spaces: &Spaces,
-        coarse: &mut Coarse,
-    ) -> Result<Changed, GpuError> {
+    ) -> Changed {
         if self.transport.solved.is_some() {
-            return Ok(Changed::default());
+            return Changed::default();
         }
         let first = self.held.is_none();
         let mut held = self.held.take().unwrap_or_default();
@@ -98,11 +105,10 @@ impl Sources {
             changed.emission = true;
         }
         held.sky = sky.clone();
-        if changed.albedo {
-            spaces.set_albedo(gpu, &held.materials.albedo);
-            self.follow_albedo(gpu, &held.materials.albedo, coarse)?;
+        if changed != Changed::default() {
+            let is_coloured = !held.all().all(is_grey);
+            held.is_coloured = is_coloured;
         }
-        self.follow_gain(gpu, coarse)?;
         let exponent = unit::exponent(self.exponent, brightest.max(held.brightest()));
         if exponent != self.exponent {
             // In steps that are no overflow themselves: what was stored is near 1.
@@ -110,12 +116,35 @@ impl Sources {
             changed.rescaled = Some((apart as f32).exp2());
             self.exponent = exponent;
         }
+        self.held = Some(held);
+        changed
+    }
+
+    /// What of it is new to the GPU: what `changed`, or all of it where the light's spaces are others.
+    pub fn upload(
+        &mut self,
+        gpu: &Gpu,
+        changed: Changed,
+        spaces: &Spaces,
+        coarse: &mut Coarse,
+    ) -> Result<(), GpuError> {
+        let Some(held) = self.held.take() else { return Ok(()) };
+        if changed.albedo {
+            spaces.set_albedo(gpu, &held.materials.albedo);
+            self.follow_albedo(gpu, &held.materials.albedo, coarse)?;
+        }
+        self.follow_gain(gpu, coarse)?;
         if changed.emission || changed.rescaled.is_some() {
             spaces.set_emission(gpu, &held.materials.exitance, self.unit());
             spaces.set_sky(gpu, &held.radiance, self.unit());
         }
         self.held = Some(held);
-        Ok(changed)
+        Ok(())
+    }
+
+    /// Whether a surface or the sky has a colour.
+    pub fn is_coloured(&self) -> bool {
+        self.held.as_ref().is_some_and(|held| held.is_coloured)
     }
 
     /// W/m2 of one stored unit of radiosity.
@@ -212,6 +241,11 @@ impl Held {
     /// Of what surfaces and sky give [W/m2].
     fn brightest(&self) -> f32 {
         largest(&self.materials.exitance).max(largest(&self.radiance) * std::f32::consts::PI)
+    }
+
+    fn all(&self) -> impl Iterator<Item = &Vec3> {
+        let PatchMaterials { albedo, exitance } = &self.materials;
+        albedo.iter().chain(exitance).chain(&self.radiance)
     }
 }
 

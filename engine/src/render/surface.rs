@@ -129,11 +129,20 @@ pub struct Parts {
     pub lights: bool,
     /// There are cubemaps.
     pub cubemaps: bool,
+    /// Light has one channel.
+    pub grey: bool,
 }
 
 impl Parts {
-    pub const ALL: Self =
-        Self { normal_map: true, mask: true, blend: true, unlit: true, lights: true, cubemaps: true };
+    pub const ALL: Self = Self {
+        normal_map: true,
+        mask: true,
+        blend: true,
+        unlit: true,
+        lights: true,
+        cubemaps: true,
+        grey: true,
+    };
 
     /// As they are defined in `surface.wgsl`.
     pub fn defines(&self) -> Vec<&'static str> {
@@ -144,6 +153,7 @@ impl Parts {
             (self.unlit, "UNLIT"),
             (self.lights, "LIGHTS"),
             (self.cubemaps, "CUBEMAPS"),
+            (self.grey, "GREY"),
         ];
         all.into_iter().filter(|(is, _)| *is).map(|(_, name)| name).collect()
     }
@@ -158,6 +168,7 @@ impl Parts {
             unlit: there.unlit && material.unlit,
             lights: there.lights && lit,
             cubemaps: there.cubemaps && lit,
+            grey: there.grey,
         }
     }
 }
@@ -247,6 +258,11 @@ impl Surfaces {
         let light = spaces.receivers.iter().chain(objects.light()).map(wgpu::Buffer::as_entire_binding);
         let resources: Vec<_> = light.chain(reflections.resources()).collect();
         self.light = Some((generation, pass::group(gpu, "light", &self.light_layout, &resources)));
+    }
+
+    /// Light lies elsewhere: what was bound is bound no more.
+    pub fn unbind(&mut self) {
+        self.light = None;
     }
 
     /// Draws the opaque or the blended surfaces that are in sight. Returns the draws.

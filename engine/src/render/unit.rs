@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 
+use super::channels::Channels;
 use super::shaders;
 use super::spaces::Spaces;
 use crate::gpu::Gpu;
@@ -47,6 +48,8 @@ pub struct Rescale {
     own: wgpu::BindGroup,
     uniform: wgpu::Buffer,
     columns: u32,
+    layout: wgpu::BindGroupLayout,
+    channels: Channels,
 }
 
 impl Rescale {
@@ -58,12 +61,19 @@ impl Rescale {
         let groups = [None, None, Some(&light), Some(&own)];
         Self {
             pipeline: Compute::new(compiler, shaders::UNIT, &groups),
-            lights: [&spaces.radiosity, &spaces.bounced]
-                .map(|buffer| pass::buffers(gpu, "unit", &light, &[buffer])),
+            lights: lights(gpu, &light, spaces),
             own: pass::buffers(gpu, "unit", &own, &[&uniform]),
             uniform,
             columns: spaces.patch_count,
+            layout: light,
+            channels: spaces.channels,
         }
+    }
+
+    /// Light lies elsewhere.
+    pub fn bind(&mut self, gpu: &Gpu, spaces: &Spaces) {
+        self.lights = lights(gpu, &self.layout, spaces);
+        self.channels = spaces.channels;
     }
 
     /// Returns the dispatches.
@@ -77,7 +87,7 @@ impl Rescale {
             label: Some("rescale"),
             timestamp_writes: timer.compute("rescale"),
         });
-        if !self.pipeline.set(&mut pass, "rescale", &[]) {
+        if !self.pipeline.set(&mut pass, "rescale", self.channels.defines()) {
             return 0;
         }
         pass.set_bind_group(3, &self.own, &[]);
@@ -87,6 +97,10 @@ impl Rescale {
         }
         self.lights.len() as u32
     }
+}
+
+fn lights(gpu: &Gpu, layout: &wgpu::BindGroupLayout, spaces: &Spaces) -> [wgpu::BindGroup; 2] {
+    [&spaces.radiosity, &spaces.bounced].map(|buffer| pass::buffers(gpu, "unit", layout, &[buffer]))
 }
 
 #[cfg(test)]

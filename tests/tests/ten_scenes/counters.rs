@@ -28,10 +28,13 @@ pub fn is_gone(feature: Feature, played: &Played, full: &Played) -> bool {
                 && played.moving.transport_dispatches == 0
                 && played.steady.transport_dispatches == 0
         }
-        Feature::Colour => played.sections.keys().all(|name| {
-            let of_response = name.starts_with("solved.");
-            !of_response || name.ends_with(".grey")
-        }),
+        Feature::Colour => {
+            let in_one = |name: &String| !name.starts_with("solved.") || name.ends_with(".grey");
+            // One float of four.
+            played.sections.keys().all(in_one)
+                && played.compiled("grey")
+                && 4 * played.bytes["light"] <= full.bytes["light"]
+        }
         Feature::CoarseCorrection => none("coarse correction"),
         Feature::Columns => played.section("patch.columns") == 0,
         Feature::Holes => !played.compiled("holes"),
@@ -45,7 +48,7 @@ pub fn is_gone(feature: Feature, played: &Played, full: &Played) -> bool {
 }
 
 /// Bytes in kB of 1000.
-pub const HEAD: &str = "| scene | file: surface, rows, solved [kB] | GPU: rows, light, shadow maps, cubemaps [kB] \
+pub const HEAD: &str = "| scene | file: surface, rows, solved [kB] | GPU: rows, patches, light, shadow maps, cubemaps [kB] \
 | pipelines | dispatches moving, still | passes moving, still |\n|---|---|---|---|---|---|";
 
 pub fn row(name: &str, played: &Played) -> String {
@@ -56,11 +59,12 @@ pub fn row(name: &str, played: &Played) -> String {
     let bytes = |kinds: &[&str]| kilo(kinds.iter().map(|kind| played.bytes[kind]).sum());
     let passes = |drawn: &engine::render::Drawn| drawn.passes.render + drawn.passes.compute;
     format!(
-        "| {name} | {}, {}, {} | {}, {}, {}, {} | {} | {}, {} | {}, {} |",
+        "| {name} | {}, {}, {} | {}, {}, {}, {}, {} | {} | {}, {} | {}, {} |",
         kilo(surface),
         kilo(rows),
         kilo(solved),
         bytes(&["rows", "rows of probes", "coarse correction"]),
+        bytes(&["patches"]),
         bytes(&["light", "light of probes"]),
         bytes(&["shadow maps"]),
         bytes(&["cubemaps"]),

@@ -43,7 +43,7 @@ fn expected(name: &str) -> Expected {
         "lights that never change" => (&[Matrix, CoarseCorrection, Columns], &[], &[Matrix]),
         "a lamp that moves" => (&[], &[], &[LightProbes]),
         "a ball that moves" => (&[], &[LightProbes], &[Reflections]),
-        "grey" => (&[Matrix, CoarseCorrection, Columns, Colour], &[], &[Matrix]),
+        "grey" => (&[Matrix, CoarseCorrection, Columns, Colour], &[], &[Matrix, Colour]),
         "a mirror" => (&[BlackPatches], &[Reflections, Recaptures], &[BlackPatches]),
         "sky alone" => (&[Matrix, CoarseCorrection, Columns, ShadowMaps], &[Sky], &[Matrix]),
         "black" => (&[BlackPatches], &[], &[BlackPatches]),
@@ -118,4 +118,31 @@ fn a_rule_that_is_turned_off_leaves_its_omission_out_and_no_other() {
             assert_eq!(failing, [off], "{name}:\n{}", found.told());
         }
     }
+}
+
+#[test]
+fn captures_that_nobody_sees_are_taken_where_the_author_wants_them() {
+    let project = project(&ten::hidden_mirror());
+    let Some(lean) = played(&project, &[]) else { return };
+    assert!(left_out(&lean).contains(&Feature::UnseenCaptures), "{:#?}", lean.needs);
+    assert_eq!((lean.moving.captures, lean.captures), (0, 0), "{}", lean.told());
+    let forced = played(&project, &[(Feature::UnseenCaptures, Forced::In)]).expect("a GPU");
+    assert!(forced.moving.captures > 0, "{}", forced.told());
+    assert!(apart(&forced.picture, &lean.picture) < 1e-3);
+}
+
+#[test]
+fn directional_rows_come_with_a_normal_map_and_go_by_the_authors_word() {
+    let project = project(&ten::normal_mapped());
+    let said = |forced: &[Forced]| {
+        played(&project, &forced.iter().map(|forced| (Feature::Directional, *forced)).collect::<Vec<_>>())
+    };
+    let Some(mapped) = said(&[]) else { return };
+    assert!(mapped.section("directional") > 0 && mapped.compiled("normal map"));
+    let (forced_in, without) = (said(&[Forced::In]).expect("a GPU"), said(&[Forced::Out]).expect("a GPU"));
+    assert_eq!(forced_in.section("directional"), mapped.section("directional"));
+    assert!(apart(&forced_in.picture, &mapped.picture) < 1e-3);
+    assert_eq!(without.section("directional"), 0);
+    assert!(without.bytes["rows"] < mapped.bytes["rows"]);
+    assert!(apart(&without.picture, &mapped.picture) > 1e-2, "bumps are seen by the rows' light");
 }

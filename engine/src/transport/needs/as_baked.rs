@@ -1,5 +1,5 @@
 //! The scene as a bake has it: without what is left out of it before any ray. Whoever bakes it, or asks what a bake of
-//! it depends on, then needs to know nothing of features.
+//! it depends on, then needs to know nothing of features; nor of the order of the hierarchy.
 
 use std::collections::BTreeMap;
 
@@ -7,13 +7,15 @@ use super::Look;
 use crate::scene::assets::Assets;
 use crate::scene::{Alpha, Feature, Forced, Scene, SkyKind};
 
-/// Idempotent. What is drawn is the scene as it was authored.
+/// Entities stand in the order of their ids: one that is dragged to another place among its siblings bakes to the same
+/// bytes. Idempotent. What is drawn is the scene as it was authored.
 pub fn as_baked(scene: &Scene, assets: &Assets, forced: &BTreeMap<Feature, Forced>) -> Scene {
     let look = Look::at_scene(scene, assets, forced);
     let [probes, sky, directional, holes] =
         [Feature::LightProbes, Feature::Sky, Feature::Directional, Feature::Holes]
             .map(|feature| look.has(feature));
     let mut baked = scene.clone();
+    baked.entities.sort_by_key(|entity| entity.id);
     if !probes {
         baked.entities.iter_mut().for_each(|entity| entity.light_probes = None);
     }
@@ -51,6 +53,13 @@ mod tests {
     #[test]
     fn what_is_needed_is_baked_as_it_was_authored() {
         assert_eq!(as_baked(&everything(), &Assets::default(), &forced()), everything());
+    }
+
+    #[test]
+    fn the_order_of_the_hierarchy_is_no_matter() {
+        let mut turned = everything();
+        turned.entities.reverse();
+        assert_eq!(as_baked(&turned, &Assets::default(), &forced()), everything());
     }
 
     #[test]

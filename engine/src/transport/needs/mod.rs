@@ -11,6 +11,7 @@
 //! and it is there though nobody needs it; out, and whoever needs it does without.
 
 mod as_baked;
+mod colour;
 pub mod look;
 #[cfg(test)]
 mod made;
@@ -108,7 +109,7 @@ pub fn finding(feature: Feature, look: &Look<'_>) -> Finding {
         Feature::BlackPatches => patches::black_patches(look),
         Feature::UnlitPatches => patches::unlit_patches(look),
         Feature::Matrix => sources::matrix(look),
-        Feature::Colour => sources::colour(look),
+        Feature::Colour => colour::colour(look),
         Feature::CoarseCorrection => solver::coarse_correction(look),
         Feature::Columns => solver::columns(look),
         Feature::Holes => surfaces::holes(look),

@@ -23,7 +23,10 @@ pub fn grounds(feature: Feature, scene: &Scene, assets: &Assets) -> String {
 
 pub fn relied_on(feature: Feature, scene: &Scene, assets: &Assets) -> String {
     let forced = Default::default();
-    let look = Look::at_scene(scene, assets, &forced);
+    // Whatever the order of the hierarchy.
+    let mut scene = scene.clone();
+    scene.entities.sort_by_key(|entity| entity.id);
+    let look = Look::at_scene(&scene, assets, &forced);
     let Finding { needed, .. } = finding(feature, &look);
     let mut facts = format!("{feature:?} {needed}\n");
     match feature {
@@ -191,6 +194,16 @@ mod tests {
             let mut edited = still.clone();
             edit(&mut edited);
             assert_ne!(facts(Feature::Matrix, &still), facts(Feature::Matrix, &edited), "edit {which}");
+        }
+    }
+
+    #[test]
+    fn the_order_of_the_hierarchy_is_not_relied_on() {
+        let still = room(never());
+        let mut turned = still.clone();
+        turned.entities.reverse();
+        for feature in Feature::ALL {
+            assert_eq!(facts(feature, &still), facts(feature, &turned), "{feature:?}");
         }
     }
 

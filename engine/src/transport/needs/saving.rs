@@ -16,6 +16,8 @@ use crate::transport::{Rows, Transport, packed};
 pub const PROBE_RAYS: u32 = 4096;
 /// A vector of light on the GPU [bytes].
 pub const VECTOR: u64 = 16;
+/// Where it has one channel.
+pub const CHANNEL: u64 = 4;
 
 /// How much there is of everything.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -1,5 +1,4 @@
-//! What shines, how freely it may change, and what follows: whether light is solved while the scene plays, and whether
-//! it has a colour.
+//! What shines, how freely it may change, and what follows: whether light is solved while the scene plays.
 //!
 //! Only what shines is asked how it changes. Albedo may be marked as free, too, but nothing in the player changes it, and
 //! an albedo that changed in the file makes a bake's omission stale ([`super::relied_on`]).
@@ -7,10 +6,13 @@
 use glam::Vec3;
 
 use super::look::{Look, entities, listed, told};
-use super::saving::VECTOR;
+use super::saving::{VECTOR, bytes};
 use super::{Finding, Saving};
-use crate::scene::assets::{Picture, Pixels};
-use crate::scene::{Changes, Emission, Entity, EntityId, Light, Material, SkyKind, Texture};
+use crate::scene::{Changes, Emission, Entity, EntityId, Feature, Light, Material, SkyKind};
+
+/// Responses up to which nobody counts their bytes, and the most of them: they are added up where one is dimmed.
+const FEW_RESPONSES: u64 = 4;
+const MOST_RESPONSES: u64 = 64;
 
 /// Something that light comes from.
 pub struct Source {
@@ -72,7 +74,7 @@ pub fn emits(material: &Material) -> bool {
 }
 
 /// Materials of static surfaces that emit, with what has them. What moves does not light anything.
-fn emitters<'a>(look: &Look<'a>) -> Vec<(&'a Material, Vec<EntityId>)> {
+pub fn emitters<'a>(look: &Look<'a>) -> Vec<(&'a Material, Vec<EntityId>)> {
     let having =
         |material: &Material| entities(&look.with_material(look.still(), |other| other.id == material.id)).1;
     let emitting = look.scene.materials.iter().filter(|material| emits(material));
@@ -87,11 +89,11 @@ pub fn sky_shines(look: &Look<'_>) -> bool {
         SkyKind::Gradient { zenith, horizon, ground, .. } => [*zenith, *horizon, *ground] == [Vec3::ZERO; 3],
         SkyKind::Picture { strength, .. } => *strength == 0.0 && sky.changes == Changes::Never,
     };
-    look.has(crate::scene::Feature::Sky) && (sky.changes == Changes::Anything || !dark)
+    look.has(Feature::Sky) && (sky.changes == Changes::Anything || !dark)
 }
 
 /// Light is solved while the scene plays: something that shines may change in more than its brightness, a light moves,
-/// or what moves casts shadows of one onto static surfaces, which patches show as surfaces do.
+/// what moves casts shadows of one onto static surfaces, which patches show as surfaces do, or too many are dimmed.
 pub fn matrix(look: &Look<'_>) -> Finding {
     let saving = matrix_saving(look);
     let sources = sources(look);
@@ -114,6 +116,9 @@ pub fn matrix(look: &Look<'_>) -> Finding {
         return shadowed.saves(saving);
     }
     let dimmed: Vec<&Source> = sources.iter().filter(|source| source.changes == Changes::Intensity).collect();
+    if let Some(why) = too_many(look, &dimmed) {
+        return Finding::needed(why, ids(&dimmed)).saves(saving);
+    }
     let why = if dimmed.is_empty() {
         "nothing that shines ever changes".to_owned()
     } else {
@@ -121,6 +126,29 @@ pub fn matrix(look: &Look<'_>) -> Finding {
     };
     let all: Vec<&Source> = sources.iter().collect();
     Finding::not_needed(why).led_to(ids(&all)).saves(saving)
+}
+
+/// Each source that may be dimmed has a response of its own, over all that light is read at: many take more than the rows
+/// in whose place they stand.
+fn too_many(look: &Look<'_>, dimmed: &[&Source]) -> Option<String> {
+    // And one of all that never changes.
+    let responses = dimmed.len() as u64 + 1;
+    if responses <= FEW_RESPONSES {
+        return None;
+    }
+    let each = format!("{} may each be dimmed by itself", names(dimmed));
+    if responses > MOST_RESPONSES {
+        return Some(format!("{each}, and more than {MOST_RESPONSES} responses are too many"));
+    }
+    let sizes = &look.sizes;
+    // Three floats an element: of patches once, elsewhere of what is emitted and of what bounced.
+    let a_response = 12 * (sizes.patches + 2 * sizes.receivers + 18 * sizes.probes);
+    let rows = [sizes.of_patches, sizes.of_receivers, sizes.of_probes];
+    let in_rows = rows.iter().map(|rows| rows.saving(&look.cost, 1.0).file_bytes).sum::<u64>();
+    (responses * a_response > in_rows).then(|| {
+        let [took, instead] = [responses * a_response, in_rows].map(bytes);
+        format!("{each}: {responses} responses take {took}, and the rows in whose place they stand {instead}")
+    })
 }
 
 /// Of what moves, in the light of a lamp that casts.
@@ -151,97 +179,13 @@ fn matrix_saving(look: &Look<'_>) -> Saving {
     sizes.of_patches.saving(&look.cost, 2.0) + look.cost.memory(light, light)
 }
 
-/// Something static, a light or the sky is not grey, or may become so; or light is solved while the scene plays, which
-/// is done in three channels at once. What was solved at the bake is stored in one where it is grey.
-pub fn colour(look: &Look<'_>) -> Finding {
-    // One channel of sixteen bytes' vectors of three: what is solved and gathered.
-    let sizes = &look.sizes;
-    let vectors = 7 * sizes.patches + 2 * sizes.receivers + 18 * sizes.probes + 3 * sizes.sky_patches;
-    let saving = look.cost.memory(12 * vectors, 12 * vectors);
-    let found = coloured_source(look).or_else(|| coloured_surface(look)).or_else(|| {
-        let message = "light is solved while the scene plays, three channels at once";
-        look.has(crate::scene::Feature::Matrix).then(|| Finding::needed(message, Vec::new()))
-    });
-    found
-        .unwrap_or_else(|| Finding::not_needed("all albedo and all that shines is grey and stays so"))
-        .saves(saving)
-}
-
-fn coloured_source(look: &Look<'_>) -> Option<Finding> {
-    let free = sources(look).into_iter().find(|source| source.changes == Changes::Anything);
-    if let Some(Source { name, entities, .. }) = free {
-        return Some(Finding::needed(format!("{name} may take any colour"), entities));
-    }
-    if let Some((_, entity, _)) = lights(look).find(|(.., light)| !is_grey(light.color)) {
-        return Some(Finding::needed(format!("light `{}` is coloured", entity.name), vec![entity.id]));
-    }
-    let is_coloured = |material: &Material| {
-        !is_grey(material.emission.color) || is_picture_coloured(look, &material.emission.texture)
-    };
-    if let Some((material, entities)) = emitters(look).into_iter().find(|(material, _)| is_coloured(material))
-    {
-        return Some(Finding::needed(
-            format!("the emission of material `{}` is coloured", material.name),
-            entities,
-        ));
-    }
-    let is_coloured = match &look.scene.sky.kind {
-        SkyKind::None => false,
-        SkyKind::Constant { radiance } => !is_grey(*radiance),
-        SkyKind::Gradient { zenith, horizon, ground, .. } => {
-            ![*zenith, *horizon, *ground].into_iter().all(is_grey)
-        }
-        SkyKind::Picture { image, .. } => {
-            look.assets.images.get(image).is_some_and(|picture| !is_grey_picture(picture))
-        }
-    };
-    (is_coloured && sky_shines(look)).then(|| Finding::needed("the sky is coloured", Vec::new()))
-}
-
-/// After the bake by what patches hold, before it by materials, pictures and colours of vertices.
-fn coloured_surface(look: &Look<'_>) -> Option<Finding> {
-    if let (Some(transport), Some(materials)) = (look.transport, look.patch_materials()) {
-        let patch = materials.albedo.iter().position(|&albedo| !is_grey(albedo))?;
-        let entity = transport.surface.batches[transport.patches[patch].batch as usize].entity();
-        return Some(Finding::needed(format!("`{}` is coloured", look.name(entity)), vec![entity]));
-    }
-    let is_coloured = |material: &Material| {
-        !material.unlit
-            && (!is_grey(material.albedo.color) || is_picture_coloured(look, &material.albedo.texture))
-    };
-    let painted = look.still().find(|drawn| {
-        let mesh = look.assets.meshes.get(&drawn.renderer.mesh);
-        let colors = mesh.and_then(|mesh| mesh.colors.as_ref());
-        colors.is_some_and(|colors| colors.iter().any(|color| !is_grey(color.truncate())))
-    });
-    let found = painted.or_else(|| look.with_material(look.still(), is_coloured).first().copied())?;
-    Some(Finding::needed(format!("`{}` is coloured", found.entity.name), vec![found.entity.id]))
-}
-
-fn is_grey(color: Vec3) -> bool {
-    color.x == color.y && color.y == color.z
-}
-
-fn is_picture_coloured(look: &Look<'_>, texture: &Option<Texture>) -> bool {
-    let picture = texture.as_ref().and_then(|texture| look.assets.images.get(&texture.image));
-    picture.is_some_and(|picture| !is_grey_picture(picture))
-}
-
-fn is_grey_picture(picture: &Picture) -> bool {
-    match &picture.pixels {
-        Pixels::Rgba8(pixels) => pixels.iter().all(|[r, g, b, _]| r == g && g == b),
-        Pixels::Rgb32f(pixels) => pixels.iter().all(|&pixel| is_grey(Vec3::from(pixel))),
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::made::{
-        ball, constant, emitter, forced, gradient, lamp, material, moved, never, scene, wall, with,
-    };
+    use super::super::made::{ball, constant, emitter, forced, lamp, material, moved, never, scene, wall};
+    use super::super::{RowSizes, Sizes};
     use super::*;
     use crate::scene::assets::Assets;
-    use crate::scene::{Albedo, Scene, Sky, Switching};
+    use crate::scene::{Scene, Sky, Switching};
 
     fn found(rule: fn(&Look<'_>) -> Finding, scene: &Scene) -> Finding {
         let (assets, forced) = (Assets::default(), forced());
@@ -289,6 +233,30 @@ mod tests {
     }
 
     #[test]
+    fn many_that_are_dimmed_need_the_matrix_and_a_few_whose_responses_take_more_than_its_rows() {
+        let dimmed = Light { changes: Changes::Intensity, ..never() };
+        let lamps = |count: u64| (0..count).map(|k| lamp(k + 2, dimmed.clone()));
+        let under = |count| scene([wall(1)].into_iter().chain(lamps(count)).collect());
+        assert!(!found(matrix, &under(63)).needed);
+        let many = found(matrix, &under(64));
+        assert!(many.needed && many.entities.len() == 64, "{many:?}");
+        assert!(
+            many.why.ends_with(
+                "and 61 more may each be dimmed by itself, and more than 64 responses are too many"
+            )
+        );
+        // Rows of 40.8 kB, and as much in 34 responses.
+        let (assets, forced) = (Assets::default(), forced());
+        let of_patches = RowSizes { rows: 100, entries: 10_000, bytes: 4 };
+        let full = Sizes { patches: 100, of_patches, ..Sizes::default() };
+        let baked =
+            |count, sizes| matrix(&Look::at_scene(&under(count), &assets, &forced).sized(sizes)).needed;
+        assert_eq!([33, 34].map(|count| baked(count, full)), [false, true]);
+        let empty = Sizes { patches: 100, ..Sizes::default() };
+        assert_eq!([3, 4].map(|count| baked(count, empty)), [false, true], "few are not counted");
+    }
+
+    #[test]
     fn a_free_albedo_and_a_dark_free_emission_are_no_reason() {
         let mut scene = room();
         scene.materials = vec![material(0)];
@@ -321,38 +289,5 @@ mod tests {
     fn what_is_hidden_shines_on_nothing() {
         let free = Entity { hidden: true, ..lamp(2, Light::default()) };
         assert_eq!(found(matrix, &scene(vec![wall(1), free])).why, "nothing shines");
-    }
-
-    #[test]
-    fn a_grey_scene_has_one_channel() {
-        let grey = found(colour, &room());
-        assert!(!grey.needed, "{grey:?}");
-        let mut scene = room();
-        scene.sky = Sky { kind: constant(), changes: Changes::Never };
-        assert!(!found(colour, &scene).needed);
-    }
-
-    #[test]
-    fn any_colour_anywhere_that_light_meets_needs_three() {
-        let red = Vec3::new(1.0, 0.0, 0.0);
-        let lamp_of = |light| scene(vec![wall(1), lamp(2, light)]);
-        assert!(found(colour, &lamp_of(Light { color: red, ..never() })).needed);
-        assert!(found(colour, &lamp_of(Light { changes: Changes::Anything, ..never() })).needed);
-        let mut walls = room();
-        walls.materials =
-            vec![Material { albedo: Albedo { color: red, ..Albedo::default() }, ..material(0) }];
-        assert_eq!(found(colour, &walls).entities, [EntityId(1)]);
-        walls.entities.push(with(ball(3), 1));
-        walls.materials[0].id = crate::scene::MaterialId(1);
-        // What moves takes no part in light, but its shadow does.
-        assert!(found(colour, &walls).why.starts_with("light is solved while the scene plays"));
-        let mut glowing = room();
-        glowing.materials = vec![emitter(0, Changes::Never)];
-        assert!(!found(colour, &glowing).needed);
-        glowing.materials[0].emission.color = red;
-        assert!(found(colour, &glowing).needed);
-        let mut under = room();
-        under.sky = Sky { kind: gradient(), changes: Changes::Never };
-        assert_eq!(found(colour, &under).why, "the sky is coloured");
     }
 }

@@ -1,6 +1,8 @@
 //! What a scene does without is not on the GPU, is not compiled, and is not done; it comes with whoever needs it and
 //! goes with the last; and nobody sees that it is gone.
 
+mod one_channel;
+
 use engine::gpu::{Gpu, buffer};
 use engine::render::{Eye, Settings, View};
 use engine::scene::shape::{self, Shape};

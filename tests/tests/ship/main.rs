@@ -1,5 +1,7 @@
 //! What the player loads is less than the bake, and gives the same light; whatever becomes of the files.
 
+mod intensity;
+
 use std::path::Path;
 
 use bake::{BakeError, Baked, Settings, Silent, bake, check};
