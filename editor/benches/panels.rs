@@ -114,7 +114,8 @@ impl Desk {
         let ctx = egui::Context::default();
         let opened = Opened::load(project, None).expect("it was just written");
         let mut editor = Editor::new(&ctx, &state, opened, None).expect("the GPU draws");
-        [Pane::Scene, Pane::Game].map(|pane| layout::close(&mut editor.layout, pane));
+        layout::close(&mut editor.layout, Pane::Scene);
+        layout::close(&mut editor.layout, Pane::Game);
         Some(Self { ctx, editor, time: 0.0 })
     }
 

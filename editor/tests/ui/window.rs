@@ -98,6 +98,8 @@ impl Window {
             self.settle();
             std::thread::sleep(Duration::from_millis(5));
         }
+        // What came stands where it will be clicked.
+        self.settle();
     }
 
     pub fn is_shown(&self, name: &str) -> bool {
