@@ -210,6 +210,20 @@ fn clip_to_horizon(corners: [Vec3; 3], normal: Vec3, out: &mut [Vec3; 4]) -> usi
     if n < 3 { 0 } else { n }
 }
 
+/// Points of patches for [`Emitters::patch_row`].
+pub fn points() -> Sobol {
+    Sobol::new(MORE * SAMPLES)
+}
+
+/// The middle of a patch's box, and its farthest corner's distance from there.
+fn ball(scene: &RayScene, patch: usize) -> (Vec3, f32) {
+    let corners = || scene.triangles[scene.patch_triangles[patch].clone()].iter().flatten();
+    let low = corners().fold(Vec3::INFINITY, |low, p| low.min(*p));
+    let high = corners().fold(Vec3::NEG_INFINITY, |high, p| high.max(*p));
+    let centre = low.midpoint(high);
+    (centre, corners().fold(0.0, |radius: f32, p| radius.max(p.distance(centre))))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -234,18 +248,4 @@ mod tests {
         assert_eq!(seen(Vec3::new(0.5, 0.0, 0.5), Vec3::Y, 1.0, true), 0.0);
         assert_eq!(seen(Vec3::new(0.5, 0.0, 0.5), -Vec3::Y, 1.0, false), 0.0);
     }
-}
-
-/// Points of patches for [`Emitters::patch_row`].
-pub fn points() -> Sobol {
-    Sobol::new(MORE * SAMPLES)
-}
-
-/// The middle of a patch's box, and its farthest corner's distance from there.
-fn ball(scene: &RayScene, patch: usize) -> (Vec3, f32) {
-    let corners = || scene.triangles[scene.patch_triangles[patch].clone()].iter().flatten();
-    let low = corners().fold(Vec3::INFINITY, |low, p| low.min(*p));
-    let high = corners().fold(Vec3::NEG_INFINITY, |high, p| high.max(*p));
-    let centre = low.midpoint(high);
-    (centre, corners().fold(0.0, |radius: f32, p| radius.max(p.distance(centre))))
 }

@@ -53,8 +53,8 @@ use glam::{DVec3, Vec3};
 
 use crate::pipeline::Caches;
 pub use crate::plan::{Plan, plan};
-use crate::surface::Surface;
 pub use crate::preview::divide;
+use crate::surface::Surface;
 
 /// What the command line says; where it says nothing, the project's settings hold.
 #[derive(Clone, Debug, Default)]

@@ -9,6 +9,7 @@ use super::Editor;
 use crate::assets::{Place, Wish};
 use crate::importing::Then;
 use crate::panels::assets::reads_models;
+use crate::tools::hit::Caster;
 use crate::tools::surface;
 
 /// Pictures that the mouse is waited for after a drop.
@@ -63,8 +64,9 @@ impl Editor {
     fn place_under(&self, at: Pos2) -> Option<Place> {
         let lens = self.scene.lens.filter(|lens| lens.rect.contains(at))?;
         let far = self.scene.camera.pivot.distance(lens.eye.position);
-        let seen = (&self.session.document, &self.scenery());
-        Some(Place::At(surface::place(seen, &lens.ray(at), far)))
+        let ray = lens.ray(at);
+        let hit = Caster::default().cast(&self.scenery(), &ray, |_| true);
+        Some(Place::At(surface::place(hit.as_ref(), &ray, far)))
     }
 }
 

@@ -106,7 +106,7 @@ impl SceneView {
         self.controls(ui, rect);
         self.tool_bars(ui, rect, seen, asks);
         self.choosing.list_under_mouse(ui, seen, asks);
-        dropped::show(ui, &response, &lens, seen, self.camera.pivot, asks);
+        dropped::show(ui, &response, &lens, seen, self.camera.pivot, &mut self.caster, asks);
     }
 
     /// Something is held by the mouse: keys belong to it, and the camera stays.

@@ -16,6 +16,8 @@ use crate::scenery::Scenery;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     pub entity: EntityId,
+    /// Of its mesh: which material is shown there.
+    pub primitive: usize,
     /// Vertices of the triangle, and how near to each.
     pub corners: [u32; 3],
     pub shares: [f64; 3],
@@ -62,7 +64,8 @@ impl Caster {
                     let normal = (b - a).cross(c - a).normalize_or(DVec3::Y);
                     let normal = if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
                     let at = ray.origin + ray.direction * distance;
-                    first = Some(Hit { entity: entity.id, corners, shares, at, normal, distance });
+                    let primitive = primitive_of(&mesh, index);
+                    first = Some(Hit { entity: entity.id, primitive, corners, shares, at, normal, distance });
                 }
             }
         }
@@ -110,6 +113,11 @@ impl Caster {
         self.boxes.insert(source.clone(), (mesh.clone(), reach));
         Some((mesh.clone(), reach))
     }
+}
+
+fn primitive_of(mesh: &Mesh, triangle: usize) -> usize {
+    let corner = triangle as u32 * 3;
+    mesh.primitives.iter().position(|p| (p.first..p.first + p.count).contains(&corner)).unwrap_or(0)
 }
 
 /// Distances stay what they are in the world.

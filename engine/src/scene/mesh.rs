@@ -1,6 +1,6 @@
 //! A mesh: indexed triangles with attributes, in its own space.
 
-use glam::{DVec3, Vec2, Vec3, Vec4};
+use glam::{Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 
 use super::shape::Shape;
@@ -59,25 +59,6 @@ impl Mesh {
 
     pub fn color(&self, vertex: usize) -> Vec4 {
         self.colors.as_ref().map_or(Vec4::ONE, |colors| colors[vertex])
-    }
-
-    /// The first triangle that a half line meets, from either side, both in the mesh's space: its number, and how many times
-    /// `way` it is away. `None`: it meets none. Möller and Trumbore, 1997.
-    pub fn first_hit(&self, from: DVec3, way: DVec3) -> Option<(usize, f64)> {
-        let corner = |vertex: u32| self.positions[vertex as usize].as_dvec3();
-        let hits = self.triangles().enumerate().filter_map(|(at, triangle)| {
-            let [a, b, c] = triangle.map(corner);
-            let (ab, ac) = (b - a, c - a);
-            let across = way.cross(ac);
-            let area = ab.dot(across);
-            let off = from - a;
-            let u = off.dot(across) / area;
-            let up = off.cross(ab);
-            let (v, away) = (way.dot(up) / area, ac.dot(up) / area);
-            let is_hit = area != 0.0 && u >= 0.0 && v >= 0.0 && u + v <= 1.0 && away > 0.0;
-            is_hit.then_some((at, away))
-        });
-        hits.min_by(|(_, a), (_, b)| a.total_cmp(b))
     }
 
     /// Array lengths agree, indices are in range, primitives tile the index array.

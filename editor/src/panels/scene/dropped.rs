@@ -13,7 +13,8 @@ use crate::edit::Edit;
 use crate::intents::Intent;
 use crate::lens::Lens;
 use crate::theme;
-use crate::tools::surface::{self, Hit};
+use crate::tools::hit::{Caster, Hit};
+use crate::tools::surface;
 
 pub(super) fn show(
     ui: &Ui,
@@ -21,6 +22,7 @@ pub(super) fn show(
     lens: &Lens,
     seen: &Seen<'_>,
     pivot: DVec3,
+    caster: &mut Caster,
     asks: &mut Asks,
 ) {
     let from_desktop = ui.input(|input| !input.raw.hovered_files.is_empty());
@@ -35,10 +37,9 @@ pub(super) fn show(
     let Some(carried) = response.dnd_hover_payload::<Carried>().filter(|_| !seen.scenery.is_playing) else {
         return;
     };
-    let scene = (seen.document, &seen.scenery);
     let ray = lens.ray(at);
-    let hit = surface::first(scene, &ray);
-    let place = surface::place(scene, &ray, pivot.distance(lens.eye.position));
+    let hit = caster.cast(&seen.scenery, &ray, |_| true);
+    let place = surface::place(hit.as_ref(), &ray, pivot.distance(lens.eye.position));
     tell(
         ui,
         lens,
