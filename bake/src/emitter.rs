@@ -10,7 +10,9 @@
 use std::f32::consts::PI;
 
 use glam::Vec3;
+use rayon::prelude::*;
 
+use crate::BakeError;
 use crate::directions::{Sobol, hash, unit};
 use crate::layout::{Places, RayScene, SAMPLES};
 use crate::rays::Tracer;
@@ -66,7 +68,7 @@ impl Emitters {
         row
     }
 
-    /// The mean of the above over points of a patch: more of them for emitters that are near. `sobol`: of [`points`].
+    /// The mean of the above over points of a patch: more of them for emitters that are near. `sobol`: of as many points as are taken near them.
     pub fn patch_row(&self, tracer: &Tracer, patch: usize, sobol: &Sobol) -> Vec<(u32, f64)> {
         let places = Places::of(tracer.scene, patch);
         let key = tracer.scene.patch_keys[patch];
@@ -210,11 +212,6 @@ fn clip_to_horizon(corners: [Vec3; 3], normal: Vec3, out: &mut [Vec3; 4]) -> usi
     if n < 3 { 0 } else { n }
 }
 
-/// Points of patches for [`Emitters::patch_row`].
-pub fn points() -> Sobol {
-    Sobol::new(MORE * SAMPLES)
-}
-
 /// The middle of a patch's box, and its farthest corner's distance from there.
 fn ball(scene: &RayScene, patch: usize) -> (Vec3, f32) {
     let corners = || scene.triangles[scene.patch_triangles[patch].clone()].iter().flatten();
@@ -222,6 +219,47 @@ fn ball(scene: &RayScene, patch: usize) -> (Vec3, f32) {
     let high = corners().fold(Vec3::NEG_INFINITY, |high, p| high.max(*p));
     let centre = low.midpoint(high);
     (centre, corners().fold(0.0, |radius: f32, p| radius.max(p.distance(centre))))
+}
+
+/// By row: shares of what arrives from each emitter.
+pub type Towards = Vec<Vec<(u32, f64)>>;
+
+pub fn patches_towards_emitters(tracer: &Tracer, emitters: &Emitters) -> Result<Towards, BakeError> {
+    let points = Sobol::new(MORE * SAMPLES);
+    rows_towards(tracer, emitters, "patches towards emitters", tracer.scene.patch_areas.len(), |i| {
+        if emitters.is_emitter[i] { Vec::new() } else { emitters.patch_row(tracer, i, &points) }
+    })
+}
+
+pub fn receivers_towards_emitters(tracer: &Tracer, emitters: &Emitters) -> Result<Towards, BakeError> {
+    rows_towards(tracer, emitters, "receivers towards emitters", tracer.scene.receivers.len(), |i| {
+        let place = &tracer.scene.receivers[i];
+        emitters.row(tracer, place.position.as_vec3(), place.normal, place.key)
+    })
+}
+
+fn rows_towards(
+    tracer: &Tracer,
+    emitters: &Emitters,
+    stage: &str,
+    rows: usize,
+    row: impl Fn(usize) -> Vec<(u32, f64)> + Sync,
+) -> Result<Towards, BakeError> {
+    if emitters.patches.is_empty() {
+        return Ok(vec![Vec::new(); rows]);
+    }
+    tracer.watcher.stage(stage, rows as u64);
+    (0..rows)
+        .into_par_iter()
+        .map(|i| {
+            if tracer.watcher.cancelled() {
+                return Err(BakeError::Cancelled);
+            }
+            let row = row(i);
+            tracer.watcher.advance(1, 0);
+            Ok(row)
+        })
+        .collect()
 }
 
 #[cfg(test)]

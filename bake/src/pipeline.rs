@@ -8,7 +8,6 @@ use engine::transport::key::BakeWith;
 pub use engine::transport::needs::PROBE_RAYS;
 use engine::transport::packed::fold;
 use engine::transport::sh::COEFFICIENTS;
-use engine::transport::surface::Blend;
 use engine::transport::{Certificate, Probe, Rows, Transport};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -18,12 +17,13 @@ use crate::cache::Cache;
 use crate::certify::certify_rows;
 use crate::depth::depths;
 use crate::directions::{Sobol, hash, hash_of, sphere_direction, unit};
-use crate::emitter::{self, Emitters};
+use crate::emitter::{Emitters, Towards, patches_towards_emitters, receivers_towards_emitters};
 use crate::holes::AlphaHoles;
 use crate::layout::{Layout, RayScene, layout};
 use crate::overlap::covered;
 use crate::probe::{ProbeRow, probe_row};
 use crate::rays::{Hits, Seen, Tracer};
+use crate::receiver::{mark_receivers, valid};
 use crate::surface::Surface;
 use crate::{BakeError, Watcher, aggregate, directional};
 use engine::transport::bvh::Bvh;
@@ -238,46 +238,6 @@ pub fn sampled(scene: &Scene, transport: &Transport) -> Vec<bool> {
     transport.patches.iter().map(|patch| material(patch.batch).is_some_and(|m| m.emission.sampled)).collect()
 }
 
-pub type Towards = Vec<Vec<(u32, f64)>>;
-
-pub fn patches_towards_emitters(tracer: &Tracer, emitters: &Emitters) -> Result<Towards, BakeError> {
-    let points = emitter::points();
-    rows_towards(tracer, emitters, "patches towards emitters", tracer.scene.patch_areas.len(), |i| {
-        if emitters.is_emitter[i] { Vec::new() } else { emitters.patch_row(tracer, i, &points) }
-    })
-}
-
-fn receivers_towards_emitters(tracer: &Tracer, emitters: &Emitters) -> Result<Towards, BakeError> {
-    rows_towards(tracer, emitters, "receivers towards emitters", tracer.scene.receivers.len(), |i| {
-        let place = &tracer.scene.receivers[i];
-        emitters.row(tracer, place.position.as_vec3(), place.normal, place.key)
-    })
-}
-
-fn rows_towards(
-    tracer: &Tracer,
-    emitters: &Emitters,
-    stage: &str,
-    rows: usize,
-    row: impl Fn(usize) -> Vec<(u32, f64)> + Sync,
-) -> Result<Towards, BakeError> {
-    if emitters.patches.is_empty() {
-        return Ok(vec![Vec::new(); rows]);
-    }
-    tracer.watcher.stage(stage, rows as u64);
-    (0..rows)
-        .into_par_iter()
-        .map(|i| {
-            if tracer.watcher.cancelled() {
-                return Err(BakeError::Cancelled);
-            }
-            let row = row(i);
-            tracer.watcher.advance(1, 0);
-            Ok(row)
-        })
-        .collect()
-}
-
 /// Rows of receivers as they were counted: what was sampled towards takes its share, the rest is scaled so that
 /// the row closes. Weights are such as four bytes hold.
 pub fn receiver_rows(hits: &Hits, rays: u32, emitters: &Emitters, towards: &Towards) -> Rows {
@@ -317,65 +277,6 @@ fn receiver_row(
     cap(&mut row, target);
     fold(&mut row);
     row
-}
-
-/// By receiver: is it outside of all solids?
-fn valid(hits: &Hits, rays: u32) -> Vec<bool> {
-    hits.lost.iter().map(|&lost| f64::from(lost) <= INSIDE * f64::from(rays)).collect()
-}
-
-/// Receivers inside a solid light nothing: vertices that blend them take their neighbours' receivers instead.
-fn mark_receivers(transport: &mut Transport, valid: &[bool]) {
-    for (receiver, &valid) in transport.receivers.iter_mut().zip(valid) {
-        receiver.valid = f32::from(u8::from(valid));
-    }
-    let triangles = &transport.surface.triangles;
-    let positions: Vec<Vec3> = transport.surface.vertices.iter().map(|vertex| vertex.position).collect();
-    for blends in [&mut transport.surface.blends, &mut transport.surface.back_blends] {
-        let mut lit: Vec<bool> = blends.iter_mut().map(|blend| keep_valid(blend, valid)).collect();
-        for _ in 0..3 {
-            spread(blends, &mut lit, triangles, &positions);
-        }
-    }
-}
-
-/// Drops invalid receivers from a blend; false where none is left.
-fn keep_valid(blend: &mut Blend, valid: &[bool]) -> bool {
-    let mut kept = *blend;
-    for slot in 0..4 {
-        if kept.weights[slot] > 0.0 && !valid[kept.receivers[slot] as usize] {
-            (kept.receivers[slot], kept.weights[slot]) = (0, 0.0);
-        }
-    }
-    let sum: f32 = kept.weights.iter().sum();
-    if sum > 0.0 {
-        kept.weights = kept.weights.map(|weight| weight / sum);
-        *blend = kept;
-    }
-    sum > 0.0
-}
-
-/// A vertex without light takes that of the nearest lit vertex of its triangles.
-fn spread(blends: &mut [Blend], lit: &mut [bool], triangles: &[[u32; 3]], positions: &[Vec3]) {
-    if blends.is_empty() {
-        return;
-    }
-    let mut found: std::collections::BTreeMap<u32, (f32, u32)> = std::collections::BTreeMap::new();
-    for triangle in triangles {
-        for &to in triangle.iter().filter(|&&to| !lit[to as usize]) {
-            for &from in triangle.iter().filter(|&&from| lit[from as usize]) {
-                let way = (positions[from as usize].distance(positions[to as usize]), from);
-                let best = found.entry(to).or_insert(way);
-                if way < *best {
-                    *best = way;
-                }
-            }
-        }
-    }
-    for (to, (_, from)) in found {
-        blends[to as usize] = blends[from as usize];
-        lit[to as usize] = true;
-    }
 }
 
 fn probe_rows(tracer: &Tracer, emitters: &Emitters) -> Result<Vec<ProbeRow>, BakeError> {

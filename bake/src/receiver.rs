@@ -6,10 +6,13 @@ use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
 
 use engine::transport::Batch;
+use engine::transport::Transport;
 use engine::transport::surface::Blend;
 use glam::{DVec3, Vec3};
 
 use crate::patch::Links;
+use crate::pipeline::INSIDE;
+use crate::rays::Hits;
 use crate::split::Fine;
 
 /// A receiver's place, in scaled space.
@@ -277,5 +280,64 @@ impl Sets {
     fn join(&mut self, a: usize, b: usize) {
         let (a, b) = (self.root(a), self.root(b));
         self.parent[a.max(b)] = a.min(b) as u32;
+    }
+}
+
+/// By receiver: is it outside of all solids?
+pub fn valid(hits: &Hits, rays: u32) -> Vec<bool> {
+    hits.lost.iter().map(|&lost| f64::from(lost) <= INSIDE * f64::from(rays)).collect()
+}
+
+/// Receivers inside a solid light nothing: vertices that blend them take their neighbours' receivers instead.
+pub fn mark_receivers(transport: &mut Transport, valid: &[bool]) {
+    for (receiver, &valid) in transport.receivers.iter_mut().zip(valid) {
+        receiver.valid = f32::from(u8::from(valid));
+    }
+    let triangles = &transport.surface.triangles;
+    let positions: Vec<Vec3> = transport.surface.vertices.iter().map(|vertex| vertex.position).collect();
+    for blends in [&mut transport.surface.blends, &mut transport.surface.back_blends] {
+        let mut lit: Vec<bool> = blends.iter_mut().map(|blend| keep_valid(blend, valid)).collect();
+        for _ in 0..3 {
+            spread(blends, &mut lit, triangles, &positions);
+        }
+    }
+}
+
+/// Drops invalid receivers from a blend; false where none is left.
+fn keep_valid(blend: &mut Blend, valid: &[bool]) -> bool {
+    let mut kept = *blend;
+    for slot in 0..4 {
+        if kept.weights[slot] > 0.0 && !valid[kept.receivers[slot] as usize] {
+            (kept.receivers[slot], kept.weights[slot]) = (0, 0.0);
+        }
+    }
+    let sum: f32 = kept.weights.iter().sum();
+    if sum > 0.0 {
+        kept.weights = kept.weights.map(|weight| weight / sum);
+        *blend = kept;
+    }
+    sum > 0.0
+}
+
+/// A vertex without light takes that of the nearest lit vertex of its triangles.
+fn spread(blends: &mut [Blend], lit: &mut [bool], triangles: &[[u32; 3]], positions: &[Vec3]) {
+    if blends.is_empty() {
+        return;
+    }
+    let mut found: std::collections::BTreeMap<u32, (f32, u32)> = std::collections::BTreeMap::new();
+    for triangle in triangles {
+        for &to in triangle.iter().filter(|&&to| !lit[to as usize]) {
+            for &from in triangle.iter().filter(|&&from| lit[from as usize]) {
+                let way = (positions[from as usize].distance(positions[to as usize]), from);
+                let best = found.entry(to).or_insert(way);
+                if way < *best {
+                    *best = way;
+                }
+            }
+        }
+    }
+    for (to, (_, from)) in found {
+        blends[to as usize] = blends[from as usize];
+        lit[to as usize] = true;
     }
 }

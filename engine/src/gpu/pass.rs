@@ -162,7 +162,7 @@ pub fn over_picture(
     module: &wgpu::ShaderModule,
     entry: &str,
     layout: &wgpu::PipelineLayout,
-    format: wgpu::TextureFormat,
+    target: impl Into<wgpu::ColorTargetState>,
 ) -> wgpu::RenderPipeline {
     gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(entry),
@@ -180,7 +180,7 @@ pub fn over_picture(
             module,
             entry_point: Some(entry),
             compilation_options: Default::default(),
-            targets: &[Some(format.into())],
+            targets: &[Some(target.into())],
         }),
         multiview_mask: None,
         cache: None,

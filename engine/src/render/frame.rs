@@ -18,6 +18,7 @@ use super::casters::Casters;
 use super::coarse::Coarse;
 use super::dering::Dering;
 use super::direct::{Direct, PatchShadows};
+use super::drawn::Drawn;
 use super::exposure::{self, Exposure};
 use super::gather::Gather;
 use super::instances::Instances;
@@ -49,7 +50,7 @@ use super::view::{Eye, View};
 use super::wireframe::Wireframe;
 use super::{RenderError, lights, shaders};
 use crate::gpu::pass::{self, Binding};
-use crate::gpu::timing::{Passes, Timer};
+use crate::gpu::timing::Timer;
 use crate::gpu::{Gpu, buffer};
 use crate::scene::assets::Assets;
 use crate::scene::{Feature, Forced, Scene, Sky};
@@ -86,25 +87,6 @@ pub struct Settings {
     pub products: Option<u32>,
     /// Bytes of meshes, and as many of pictures, that a frame brings to the GPU; `None`: all that it shows.
     pub uploads: Option<u64>,
-}
-
-/// What a frame came to.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Drawn {
-    /// Of direct light, bounce, gather and what makes moving objects' light of it.
-    pub transport_dispatches: u32,
-    pub products: u32,
-    pub draws: u32,
-    pub shadow_draws: u32,
-    /// Faces of cubemaps.
-    pub captures: u32,
-    /// Meshes and materials that are not shown yet, as they are still on their way to the GPU.
-    pub waiting: u32,
-    /// All of them: of shadow maps, captures, the picture, light.
-    pub passes: Passes,
-    /// The error of B is at most this share of the largest B: measured last, which is before this frame's last
-    /// product. `None`: nothing was measured yet.
-    pub bound: Option<f32>,
 }
 
 /// `Frame` in `frame.wgsl`.

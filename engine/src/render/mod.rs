@@ -15,6 +15,7 @@ pub mod channels;
 pub mod coarse;
 pub mod dering;
 pub mod direct;
+mod drawn;
 pub mod exposure;
 pub mod frame;
 pub mod gather;
@@ -60,7 +61,8 @@ pub use account::Solved;
 pub use asked::Asked;
 pub use channels::Channels;
 pub use direct::PatchShadows;
-pub use frame::{Drawn, Now, Renderer, Settings};
+pub use drawn::Drawn;
+pub use frame::{Now, Renderer, Settings};
 pub use view::{Eye, View};
 
 #[derive(Debug, thiserror::Error)]

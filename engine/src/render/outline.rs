@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::frame::Renderer;
 use super::lines::Line;
 use super::picking::{MASK, Numbered};
-use super::{Drawn, shaders};
+use super::shaders;
 use crate::gpu::pass::{self, Binding};
 use crate::gpu::pipeline::{Compiler, Pipelines, Variant};
 use crate::gpu::{Gpu, texture};
@@ -104,7 +104,11 @@ impl Renderer {
         drop(pass);
 
         let format = display.format();
-        let made = pipelines.get(Display(format), |gpu, module| pipeline(gpu, module, layout, format));
+        let made = pipelines.get(Display(format), |gpu, module| {
+            let blend = Some(wgpu::BlendState::ALPHA_BLENDING);
+            let over = wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL };
+            pass::over_picture(gpu, module, "outline", layout, over)
+        });
         let Some(pipeline) = made else { return draws };
         let view = display.create_view(&Default::default());
         let mut pass = pass::draw_over(encoder, "outline", &view, None);
@@ -114,44 +118,4 @@ impl Renderer {
         pass.draw(0..3, 0..1);
         draws + 1
     }
-}
-
-impl Drawn {
-    /// Whether another picture of the same scene would be the same: light has settled, nothing is being captured.
-    pub fn is_settled(&self) -> bool {
-        self.products == 0 && self.captures == 0 && self.transport_dispatches == 0 && self.waiting == 0
-    }
-}
-
-fn pipeline(
-    gpu: &Gpu,
-    module: &wgpu::ShaderModule,
-    layout: &wgpu::PipelineLayout,
-    format: wgpu::TextureFormat,
-) -> wgpu::RenderPipeline {
-    gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("outline"),
-        layout: Some(layout),
-        vertex: wgpu::VertexState {
-            module,
-            entry_point: Some("corner"),
-            compilation_options: Default::default(),
-            buffers: &[],
-        },
-        primitive: Default::default(),
-        depth_stencil: None,
-        multisample: Default::default(),
-        fragment: Some(wgpu::FragmentState {
-            module,
-            entry_point: Some("outline"),
-            compilation_options: Default::default(),
-            targets: &[Some(wgpu::ColorTargetState {
-                format,
-                blend: Some(wgpu::BlendState::ALPHA_BLENDING),
-                write_mask: wgpu::ColorWrites::ALL,
-            })],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
 }

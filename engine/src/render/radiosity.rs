@@ -2,7 +2,8 @@
 //! done again; once the light is solved, nothing is done at all.
 
 use super::RenderError;
-use super::frame::{Drawn, Renderer, layout_of_rows};
+use super::drawn::Drawn;
+use super::frame::{Renderer, layout_of_rows};
 use super::gather::Source;
 use super::rows::PagedRows;
 use super::sources::Changed;

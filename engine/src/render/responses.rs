@@ -4,7 +4,8 @@
 use std::cell::OnceCell;
 
 use super::channels::is_grey;
-use super::frame::{Drawn, Renderer};
+use super::drawn::Drawn;
+use super::frame::Renderer;
 use super::gather::Source;
 use super::spaces::Spaces;
 use crate::gpu::Gpu;

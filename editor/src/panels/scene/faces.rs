@@ -2,7 +2,7 @@
 //! the one opposite too.
 
 use eframe::egui;
-use egui::{Color32, Key, Pos2, Stroke};
+use egui::{Color32, Pos2, Stroke};
 use engine::scene::{EntityId, ReflectionProbe};
 use glam::{DAffine3, DVec3};
 
@@ -77,13 +77,7 @@ impl Faces {
             self.pull = grasped(hand);
         }
         let Some(pull) = &mut self.pull else { return false };
-        if hand.ui.input(|input| input.key_pressed(Key::Escape)) {
-            asks.push(Intent::Cancel);
-            self.pull = None;
-            return true;
-        }
-        if !hand.down {
-            asks.push(Intent::End);
+        if hand.ends(asks) {
             self.pull = None;
             return true;
         }

@@ -4,6 +4,8 @@ use eframe::egui;
 use egui::{Key, Modifiers, Pos2, Response, Ui};
 
 use super::Seen;
+use crate::ask::Asks;
+use crate::intents::Intent;
 use crate::lens::Lens;
 
 pub(super) struct Hand<'a> {
@@ -43,6 +45,15 @@ impl<'a> Hand<'a> {
     /// Not while text is typed.
     pub fn key(&self, key: Key) -> bool {
         !self.ui.ctx().text_edit_focused() && self.ui.input(|input| input.key_pressed(key))
+    }
+
+    /// Ends a drag that Escape gives up or the button lets go. Returns whether it is over.
+    pub fn ends(&self, asks: &mut Asks) -> bool {
+        let is_given_up = self.ui.input(|input| input.key_pressed(Key::Escape));
+        if is_given_up || !self.down {
+            asks.push(if is_given_up { Intent::Cancel } else { Intent::End });
+        }
+        is_given_up || !self.down
     }
 
     pub fn painter(&self) -> egui::Painter {

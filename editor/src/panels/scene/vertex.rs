@@ -72,13 +72,7 @@ impl VertexSnapping {
         if let Some((_, pulled)) = &mut self.held {
             *pulled = true;
         }
-        if hand.ui.input(|input| input.key_pressed(Key::Escape)) {
-            asks.push(Intent::Cancel);
-            self.pull = None;
-            return true;
-        }
-        if !hand.down {
-            asks.push(Intent::End);
+        if hand.ends(asks) {
             self.pull = None;
             return true;
         }
