@@ -34,6 +34,7 @@ fn main() {
     for (what, step) in STEPS {
         desk.measure(what, step);
     }
+    println!("each undo took back what was pulled, each redo brought it again");
     let Some(held) = desk.undo_bytes() else { return };
     println!("undo holds {held} bytes after all of that");
 }
@@ -74,7 +75,7 @@ const STEPS: [(&str, Step); 8] = [
     ("all selected", |desk, n| desk.select_all(n)),
     ("searching the tree", |desk, n| desk.search(n)),
     ("pulling at a number", |desk, n| desk.pull(n)),
-    ("undoing and redoing", |_, n| keys(if n % 2 == 0 { Key::Z } else { Key::Y })),
+    ("undoing and redoing", |desk, n| desk.travel(n)),
 ];
 
 fn wheel(points: f32) -> Vec<Event> {
@@ -152,7 +153,25 @@ impl Desk {
         let ms = |share: f64| took[((PICTURES - 1) as f64 * share) as usize].as_secs_f64() * 1e3;
         println!("{what:<28} {:>9.2} {:>9.2} {:>9.2}", ms(0.5), ms(0.99), ms(1.0));
         self.editor.session.carry_out([Intent::End, Intent::Select(Vec::new())]);
+        self.leave_field();
         self.rest(4);
+    }
+
+    /// What was typed goes, and keys are the editor's again.
+    fn leave_field(&mut self) {
+        let Some(field) = self.ctx.memory(|memory| memory.focused()) else { return };
+        self.picture(keys(Key::A));
+        self.picture(vec![Event::Cut]);
+        self.ctx.memory_mut(|memory| memory.surrender_focus(field));
+    }
+
+    /// What was pulled at last goes back and comes again; the key before has done its work, or this is no measurement.
+    fn travel(&mut self, n: usize) -> Vec<Event> {
+        let x =
+            self.editor.session.document.entity(EntityId(103)).map(|entity| entity.transform.translation.x);
+        let pulled = 0.01 * (PICTURES - 1) as f64;
+        assert_eq!(x, Some(if n.is_multiple_of(2) { pulled } else { 0.1 }), "undone and redone {n} times");
+        keys(if n.is_multiple_of(2) { Key::Z } else { Key::Y })
     }
 
     fn select(&mut self, n: usize) -> Vec<Event> {

@@ -4,11 +4,13 @@ mod beside;
 mod bring;
 mod drops;
 mod leave;
+mod open;
+mod seek;
 mod window;
 
+use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::mpsc::Receiver;
 
 use eframe::egui;
 use eframe::egui_wgpu::RenderState;
@@ -53,7 +55,6 @@ pub struct Editor {
     baked: AsBaked,
     pub(crate) placed: Placed,
     pub(crate) play: Option<Play>,
-    state: RenderState,
     stage: Stage,
     pub layout: Layout,
     pub scene: SceneView,
@@ -75,9 +76,13 @@ pub struct Editor {
     /// What was copied last.
     pub(crate) copied: Option<String>,
     asks: Asks,
+    /// Asked in pictures before: a click's answer is waited for.
+    due: VecDeque<Ask>,
+    seeking: Option<seek::Seeking>,
     /// Asked before the document is left: what comes then.
     leaving: Option<leave::Leaving>,
-    loading: Option<Receiver<Result<Opened, String>>>,
+    opening: Option<open::Opening>,
+    closing: open::Closing,
     title: String,
     /// Another program wrote the scene's file.
     is_outdated: bool,
@@ -114,7 +119,6 @@ impl Editor {
             baking,
             placed: Placed::default(),
             play: None,
-            state: state.clone(),
             stage,
             layout,
             scene: SceneView::default(),
@@ -134,8 +138,11 @@ impl Editor {
             home,
             copied: None,
             asks: Asks::default(),
+            due: VecDeque::default(),
+            seeking: None,
             leaving: None,
-            loading: None,
+            opening: None,
+            closing: open::Closing::default(),
             title: String::new(),
             is_outdated: false,
         };
@@ -186,7 +193,9 @@ impl Editor {
 
     /// A picture of the editor.
     pub fn ui(&mut self, ui: &mut Ui) {
+        self.stage.begin(ui.ctx().cumulative_frame_nr());
         self.beside(ui);
+        self.take_sought(ui);
         self.thumbnails.begin(self.session.document.project(), &self.assets);
         self.placed.follow(&self.session.document, &self.assets, &self.baked);
         if let Some(play) = &mut self.play {
@@ -282,21 +291,6 @@ impl Editor {
             None => Playing::No,
             Some(play) if play.is_paused() => Playing::Paused,
             Some(_) => Playing::Runs,
-        }
-    }
-
-    fn do_what_was_asked(&mut self, ui: &Ui) {
-        let asked = self.asks.take();
-        if !asked.is_empty() {
-            ui.ctx().request_repaint();
-        }
-        for ask in asked {
-            match ask {
-                Ask::Intent(intent) => self.carry_out(intent, ui),
-                Ask::Run(command) => self.run(command, ui),
-                Ask::Files(wish) => self.wish(wish, ui),
-                Ask::Frame(ids) => self.frame(&ids),
-            }
         }
     }
 

@@ -6,6 +6,7 @@ use engine::scene::EntityId;
 use crate::assets::Wish;
 use crate::command::Command;
 use crate::intents::Intent;
+use crate::panels::scene::pick::Pick;
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ask {
@@ -15,6 +16,8 @@ pub enum Ask {
     Files(Wish),
     /// The scene view goes there.
     Frame(Vec<EntityId>),
+    /// What the mouse met; what is asked after it is done when it is answered.
+    Pick(Box<Pick>),
 }
 
 impl From<Intent> for Ask {
@@ -32,6 +35,12 @@ impl From<Command> for Ask {
 impl From<Wish> for Ask {
     fn from(wish: Wish) -> Self {
         Self::Files(wish)
+    }
+}
+
+impl From<Pick> for Ask {
+    fn from(pick: Pick) -> Self {
+        Self::Pick(Box::new(pick))
     }
 }
 

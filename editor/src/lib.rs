@@ -2,7 +2,8 @@
 //!
 //! Everything that changes a scene is an [`edit::Edit`], plain data; the [`document::Document`] is the one door
 //! through which edits reach the scene. Panels read the document and [`ask`]; what they asked for is done when all of
-//! them are drawn. Nothing waits for a disk or a bake where a picture is waited for.
+//! them are drawn. Nothing waits for a disk, a bake or the GPU's answer where a
+//! picture is waited for.
 
 pub mod app;
 pub mod ask;

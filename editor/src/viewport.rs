@@ -5,7 +5,9 @@ pub mod cube;
 pub mod grid;
 pub mod marks;
 
+use std::collections::HashMap;
 use std::sync::Arc;
+use std::thread::{self, ThreadId};
 use std::time::{Duration, Instant};
 
 use eframe::egui_wgpu::RenderState;
@@ -15,9 +17,10 @@ use engine::gpu::{Gpu, texture};
 use engine::play::world::placed_at;
 use engine::render::outline::Marks;
 use engine::render::{Asked, Drawn, Eye, Now, RenderError, Renderer, Settings, View};
-use engine::scene::Scene;
 use engine::scene::assets::Assets;
+use engine::scene::{EntityId, Scene};
 use engine::transport::Transport;
+use engine::transport::reflection::Cube;
 use glam::DVec3;
 
 use crate::job::Job;
@@ -40,7 +43,42 @@ pub struct Stage {
     /// What the author says of features.
     features: Asked,
     /// The renderer that follows.
-    coming: Option<Job<Result<Renderer, RenderError>>>,
+    coming: Option<Job<Result<Ready, RenderError>>>,
+    made_on: ThreadId,
+    /// Of the editor.
+    picture: u64,
+    drawing: Duration,
+}
+
+/// What a renderer is made of besides its device.
+pub struct Plan {
+    pub transport: Arc<Transport>,
+    pub assets: Arc<Assets>,
+    pub settings: Settings,
+    /// What the author says of features.
+    pub features: Asked,
+    /// Of reflection probes, as they were baked.
+    pub cubemaps: HashMap<EntityId, Cube>,
+}
+
+/// A renderer that has drawn its first pictures.
+pub struct Ready {
+    renderer: Renderer,
+    settings: Settings,
+    features: Asked,
+    made_on: ThreadId,
+}
+
+impl Ready {
+    /// Takes its time: for a thread that nobody waits for.
+    pub fn make(gpu: &Arc<Gpu>, plan: Plan, scene: &Scene, eye: Eye) -> Result<Self, RenderError> {
+        let Plan { transport, assets, settings, features, cubemaps } = plan;
+        let settings = Settings { uploads: Some(UPLOADS), ..settings };
+        let mut renderer = Renderer::asked(gpu.clone(), transport, &assets, settings, features.clone())?;
+        renderer.give_cubemaps(cubemaps);
+        warm(&mut renderer, gpu, scene, &assets, eye)?;
+        Ok(Self { renderer, settings, features, made_on: thread::current().id() })
+    }
 }
 
 /// A new renderer draws so often, in small, before it is shown: pipelines are made, meshes lie on the GPU, light has come
@@ -59,7 +97,41 @@ impl Stage {
         let gpu = Arc::new(gpu);
         let settings = Settings { uploads: Some(UPLOADS), ..settings };
         let renderer = Renderer::asked(gpu.clone(), transport.clone(), assets, settings, features.clone())?;
-        Ok(Self { state: state.clone(), gpu, renderer, transport, settings, features, coming: None })
+        Ok(Self {
+            state: state.clone(),
+            gpu,
+            renderer,
+            transport,
+            settings,
+            features,
+            coming: None,
+            made_on: thread::current().id(),
+            picture: 0,
+            drawing: Duration::ZERO,
+        })
+    }
+
+    /// Another picture of the editor.
+    pub fn begin(&mut self, picture: u64) {
+        self.picture = picture;
+    }
+
+    /// What the processor needed for all that was drawn so far; a driver that draws on it is waited for there.
+    pub fn drawing(&self) -> Duration {
+        self.drawing
+    }
+
+    /// Where the renderer was made: on the window's own thread only the first.
+    pub fn made_on(&self) -> ThreadId {
+        self.made_on
+    }
+
+    /// Another renderer takes over, and one that was to come is given up.
+    pub fn show(&mut self, ready: Ready) {
+        let Ready { renderer, settings, features, made_on } = ready;
+        self.transport = renderer.transport().clone();
+        (self.renderer, self.settings, self.features) = (renderer, settings, features);
+        (self.made_on, self.coming) = (made_on, None);
     }
 
     pub fn gpu(&self) -> &Arc<Gpu> {
@@ -85,11 +157,8 @@ impl Stage {
         eye: Eye,
     ) -> std::io::Result<()> {
         let (gpu, settings, features) = (self.gpu.clone(), self.settings, self.features.clone());
-        let make = move || {
-            let mut renderer = Renderer::asked(gpu.clone(), transport, &assets, settings, features)?;
-            warm(&mut renderer, &gpu, &scene, &assets, eye)?;
-            Ok(renderer)
-        };
+        let plan = Plan { transport, assets, settings, features, cubemaps: HashMap::new() };
+        let make = move || Ready::make(&gpu, plan, &scene, eye);
         self.coming = Some(Job::start("relight", make)?);
         Ok(())
     }
@@ -104,9 +173,8 @@ impl Stage {
         let made = self.coming.as_mut()?.poll()?;
         self.coming = None;
         Some(match made {
-            Ok(Ok(renderer)) => {
-                self.transport = renderer.transport().clone();
-                self.renderer = renderer;
+            Ok(Ok(ready)) => {
+                self.show(ready);
                 Ok(())
             }
             Ok(Err(error)) => Err(error.to_string()),
@@ -155,6 +223,8 @@ pub struct Picture {
     shown: Option<Shown>,
     changed: Option<Instant>,
     settled: bool,
+    /// The picture of the editor for which it was drawn last.
+    shown_in: u64,
     /// What the last one came to.
     pub drawn: Drawn,
     /// What the processor needed for the last one.
@@ -191,7 +261,10 @@ impl Picture {
         if differs {
             self.changed = Some(Instant::now());
         }
-        if differs || !self.settled {
+        // A panel that did not fit is laid out once more in the same picture of the editor.
+        let again = self.shown_in == stage.picture;
+        if differs || !self.settled && !again {
+            self.shown_in = stage.picture;
             self.fit(stage, size);
             self.draw(stage, now, marks);
             self.shown = Some(shown);
@@ -240,6 +313,7 @@ impl Picture {
             Err(error) => self.error = Some(error.to_string()),
         }
         self.took = since.elapsed();
+        stage.drawing += self.took;
         self.count += 1;
     }
 }

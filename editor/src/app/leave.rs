@@ -1,23 +1,14 @@
 //! Leaving a document: for another one, or for good. What is not saved is asked about first.
 
-use std::sync::mpsc;
 use std::time::Duration;
 
 use eframe::egui;
 use egui::{Modal, RichText, Ui, ViewportCommand};
 
 use super::Editor;
-use crate::baking::Baking;
 use crate::command::Command;
-use crate::intents::Session;
-use crate::log::Source;
-use crate::opened::{Opened, Wanted};
+use crate::opened::Wanted;
 use crate::panels::files::Chosen;
-use crate::panels::game::GameView;
-use crate::panels::hierarchy::Hierarchy;
-use crate::panels::scene::SceneView;
-use crate::scenery::{AsBaked, Placed};
-use crate::viewport::Stage;
 
 /// What comes after the document is left.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,7 +42,11 @@ impl Editor {
     /// Something is asked: keys give no commands.
     pub(super) fn is_asking(&self) -> bool {
         let is_offered = self.session.document.recovery().is_some();
-        self.leaving.is_some() || self.asking.is_open() || self.settings.is_open() || is_offered
+        self.leaving.is_some()
+            || self.opening.is_some()
+            || self.asking.is_open()
+            || self.settings.is_open()
+            || is_offered
     }
 
     pub(super) fn dialogs(&mut self, ui: &mut Ui) {
@@ -68,7 +63,7 @@ impl Editor {
         self.settings(ui);
         self.confirm(ui);
         self.offer_recovery(ui);
-        self.take_loaded(ui);
+        self.open(ui);
     }
 
     fn chosen(&mut self, chosen: Chosen) {
@@ -169,56 +164,6 @@ impl Editor {
                 self.load(wanted);
             }
         }
-    }
-
-    /// On a thread of its own: files are written and read, and a bake may be large.
-    fn load(&mut self, wanted: Wanted) {
-        let (sender, receiver) = mpsc::channel();
-        self.session.log.info(format!("Opening {}", wanted.place().display()));
-        self.loading = Some(receiver);
-        std::thread::spawn(move || {
-            // Nobody waits any more where the editor is gone.
-            let _ = sender.send(wanted.load());
-        });
-    }
-
-    fn take_loaded(&mut self, ui: &Ui) {
-        let Some(receiver) = &self.loading else { return };
-        match receiver.try_recv() {
-            Ok(Ok(opened)) => self.replace(opened, ui),
-            Ok(Err(error)) => self.session.log.error(Source::Nothing, error),
-            Err(mpsc::TryRecvError::Empty) => {
-                return ui.ctx().request_repaint_after(Duration::from_millis(50));
-            }
-            Err(mpsc::TryRecvError::Disconnected) => {
-                self.session.log.error(Source::Nothing, "the project could not be opened: see the terminal");
-            }
-        }
-        self.loading = None;
-    }
-
-    fn replace(&mut self, opened: Opened, ui: &Ui) {
-        let Opened { document, assets, shown, baked, cubemaps, settings, features, warnings } = opened;
-        match Stage::new(&self.state, shown.clone(), &assets, (settings, features)) {
-            Ok(stage) => self.stage = stage,
-            Err(error) => return self.session.log.error(Source::Nothing, error.to_string()),
-        }
-        self.stage.renderer.give_cubemaps(cubemaps);
-        self.baked = AsBaked::of(document.scene(), &assets, &shown);
-        self.baking = Baking::default();
-        baked.into_iter().for_each(|baked| self.baking.show(baked));
-        let log = self.session.log.clone();
-        log.warnings(&warnings, document.scene());
-        let left = std::mem::replace(&mut self.session, Session::new(document, log));
-        left.document.close();
-        (self.assets, self.is_outdated) = (assets, false);
-        (self.play, self.placed) = (None, Placed::default());
-        self.hierarchy = Hierarchy::default();
-        self.bring = Default::default();
-        let handling = self.scene.handling;
-        (self.scene, self.game) = (SceneView::default(), GameView::default());
-        self.scene.handling = handling;
-        self.arrived(ui.ctx());
     }
 }
 

@@ -207,7 +207,7 @@ impl Document {
     /// It is not wanted.
     pub fn discard_recovery(&mut self) {
         self.recovery = None;
-        recovery::remove(&self.project, &self.name);
+        self.forget_recovery();
     }
 
     /// The end that the user chose: what is not saved is not wanted.
@@ -221,7 +221,8 @@ impl Document {
         self.saved_state = Some(self.state);
         self.write_notes();
         self.disk = None; // finishes what it writes
-        self.discard_recovery();
+        self.recovery = None;
+        recovery::remove(&self.project, &self.name);
     }
 
     fn forget_recovery(&mut self) {

@@ -2,13 +2,13 @@
 
 mod bars;
 pub mod brush;
-mod choose;
+pub mod choose;
 mod dropped;
 mod faces;
 mod hand;
 mod handles;
 pub mod net;
-mod pick;
+pub mod pick;
 mod preview;
 pub mod probing;
 mod vertex;
@@ -68,7 +68,7 @@ pub struct SceneView {
     handles: handles::Handles,
     faces: faces::Faces,
     vertex: vertex::VertexSnapping,
-    choosing: choose::Choosing,
+    pub choosing: choose::Choosing,
     preview: preview::Preview,
     caster: Caster,
     /// Where bars lay over the picture last.
@@ -146,7 +146,7 @@ impl SceneView {
     }
 
     /// The mouse goes to the first that wants it.
-    fn hand(&mut self, hand: &Hand<'_>, marks: &[Mark], stage: &mut Stage, asks: &mut Asks) {
+    fn hand(&mut self, hand: &Hand<'_>, marks: &[Mark], stage: &Stage, asks: &mut Asks) {
         self.choosing.watch(hand);
         self.vertex.watch(hand, &mut self.handling.vertex);
         if self.handling.tool != Tool::Density {

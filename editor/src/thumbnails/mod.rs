@@ -138,9 +138,10 @@ impl Thumbnails {
             return;
         }
         let workers = self.workers.get_or_insert_with(|| Workers::start(ctx.clone(), gpu.clone()));
-        workers.ask(wanted);
-        let done: Vec<_> = workers.done().take(MOST_A_PICTURE).collect();
-        for done in done {
+        if !workers.ask(wanted) {
+            ctx.request_repaint();
+        }
+        for done in workers.done(MOST_A_PICTURE) {
             let name = format!("{:?}", done.subject);
             let texture = done.image.map(|image| ctx.load_texture(name, image, TextureOptions::LINEAR));
             let known = Known { texture, material: done.material, shown: self.picture };

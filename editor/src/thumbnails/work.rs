@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{self, Receiver, Sender, SyncSender};
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, TryLockError};
 use std::thread::JoinHandle;
 
 use eframe::egui::{ColorImage, Context};
@@ -99,20 +99,33 @@ impl Workers {
         Self { shared, done, draw, painter: Some(painter) }
     }
 
-    /// These and no others: what was asked for before and is not shown any more is left.
-    pub fn ask(&self, wanted: Vec<Work>) {
+    /// These and no others: what was asked for before and is not shown any more is left. False: a thread has them in its
+    /// hand, which is not waited for.
+    pub fn ask(&self, wanted: Vec<Work>) -> bool {
         let (asked, more) = &*self.shared;
-        let mut asked = asked.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some(mut asked) = at_once(asked) else { return false };
         let begun = &asked.begun;
         let new: Vec<Work> = wanted.into_iter().filter(|work| !begun.contains(work.subject())).collect();
         asked.wanted = new;
+        drop(asked);
         more.notify_one();
+        true
     }
 
-    pub fn done(&self) -> impl Iterator<Item = Done> + '_ {
-        self.done.try_iter().inspect(|done| {
-            self.shared.0.lock().unwrap_or_else(PoisonError::into_inner).begun.remove(&done.subject);
-        })
+    pub fn done(&self, most: usize) -> Vec<Done> {
+        let Some(mut asked) = at_once(&self.shared.0) else { return Vec::new() };
+        let done: Vec<Done> = self.done.try_iter().take(most).collect();
+        asked.begun.retain(|subject| done.iter().all(|done| done.subject != *subject));
+        done
+    }
+}
+
+/// `None`: another thread holds it.
+fn at_once(asked: &Mutex<Asked>) -> Option<MutexGuard<'_, Asked>> {
+    match asked.try_lock() {
+        Ok(asked) => Some(asked),
+        Err(TryLockError::Poisoned(asked)) => Some(asked.into_inner()),
+        Err(TryLockError::WouldBlock) => None,
     }
 }
 

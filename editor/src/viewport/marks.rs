@@ -68,10 +68,11 @@ fn shine(light: &Light) -> Color32 {
     Color32::from_rgb(r, g, b).lerp_to_gamma(Color32::WHITE, 0.25)
 }
 
-/// The nearest icon under the mouse.
-pub fn under(marks: &[Mark], at: Pos2) -> Option<EntityId> {
-    let near = marks.iter().filter(|mark| mark.at.distance(at) <= HIT);
-    near.min_by(|a, b| a.depth.total_cmp(&b.depth)).map(|mark| mark.entity)
+/// Icons under the mouse, the nearest first.
+pub fn under(marks: &[Mark], at: Pos2) -> Vec<EntityId> {
+    let mut near: Vec<&Mark> = marks.iter().filter(|mark| mark.at.distance(at) <= HIT).collect();
+    near.sort_by(|a, b| a.depth.total_cmp(&b.depth));
+    near.into_iter().map(|mark| mark.entity).collect()
 }
 
 pub fn paint(painter: &Painter, marks: &[Mark], is_selected: impl Fn(EntityId) -> bool) {

@@ -16,4 +16,5 @@ mod preferences;
 mod probes;
 mod recovery;
 mod scene;
+mod waits;
 mod window;

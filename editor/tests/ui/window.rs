@@ -88,6 +88,13 @@ impl Window {
     /// A few pictures go by: what was asked for is done and seen.
     pub fn settle(&mut self) {
         self.harness.run_steps(4);
+        // The GPU answers clicks when it comes to it.
+        let since = Instant::now();
+        while self.editor().is_seeking() {
+            assert!(since.elapsed() < Duration::from_secs(100), "a click was never answered");
+            std::thread::sleep(Duration::from_millis(1));
+            self.harness.run_steps(2);
+        }
     }
 
     /// Pictures go by until it is so: a thread beside has work to do.

@@ -114,7 +114,14 @@ pub fn read<T: AnyBitPattern + NoUninit>(gpu: &Gpu, buffer: &wgpu::Buffer) -> Re
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, buffer.size());
     gpu.queue.submit([encoder.finish()]);
-    read_staging(gpu, &staging)
+    let arriving = Arriving::new(staging);
+    gpu.wait()?;
+    arriving.take(gpu).unwrap_or_else(|| Err(not_there()))
+}
+
+/// After a wait everything is.
+pub(super) fn not_there() -> GpuError {
+    GpuError::Reported("what was read back is not there after the GPU was waited for".to_owned())
 }
 
 pub fn staging(gpu: &Gpu, bytes: u64) -> wgpu::Buffer {
@@ -126,16 +133,39 @@ pub fn staging(gpu: &Gpu, bytes: u64) -> wgpu::Buffer {
     })
 }
 
-/// Maps what was copied into a staging buffer by commands already submitted. Blocks.
-pub fn read_staging<T: AnyBitPattern + NoUninit>(
-    gpu: &Gpu,
-    staging: &wgpu::Buffer,
-) -> Result<Vec<T>, GpuError> {
-    staging.map_async(wgpu::MapMode::Read, .., |_| {});
-    gpu.wait()?;
-    let items = mapped(staging)?;
-    staging.unmap();
-    Ok(items)
+/// What was copied into a staging buffer by commands already submitted, on its way to the processor.
+pub struct Arriving {
+    staging: wgpu::Buffer,
+    mapped: mpsc::Receiver<bool>,
+}
+
+impl Arriving {
+    pub fn new(staging: wgpu::Buffer) -> Self {
+        let (sender, mapped) = mpsc::channel();
+        staging.map_async(wgpu::MapMode::Read, .., move |result| {
+            // Nobody asks any more where the receiver is gone.
+            let _ = sender.send(result.is_ok());
+        });
+        Self { staging, mapped }
+    }
+
+    /// `None`: the GPU has not come so far. Waits for nothing; it comes once.
+    pub fn take<T: AnyBitPattern + NoUninit>(&self, gpu: &Gpu) -> Option<Result<Vec<T>, GpuError>> {
+        if let Err(error) = gpu.look() {
+            return Some(Err(error));
+        }
+        match self.mapped.try_recv() {
+            Err(mpsc::TryRecvError::Empty) => None,
+            Ok(true) => {
+                let items = mapped(&self.staging);
+                self.staging.unmap();
+                Some(items)
+            }
+            Ok(false) | Err(mpsc::TryRecvError::Disconnected) => {
+                Some(Err(GpuError::Reported("what was read back did not arrive".to_owned())))
+            }
+        }
+    }
 }
 
 fn mapped<T: AnyBitPattern + NoUninit>(staging: &wgpu::Buffer) -> Result<Vec<T>, GpuError> {

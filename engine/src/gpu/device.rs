@@ -1,6 +1,9 @@
 //! One GPU device and what it can do.
 
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::{self, ThreadId};
 
 use super::GpuError;
 
@@ -17,6 +20,8 @@ pub struct Gpu {
     said: Arc<Mutex<Said>>,
     /// Names of all pipelines, in the order in which they were made.
     compiled: Mutex<Vec<String>>,
+    /// How often each thread has waited.
+    waits: Mutex<HashMap<ThreadId, u64>>,
 }
 
 /// What the device said of itself since it was last asked.
@@ -76,7 +81,17 @@ impl Gpu {
         let said = listen(&device);
         let page_bytes = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         let software = info.device_type == wgpu::DeviceType::Cpu;
-        Ok(Self { adapter, device, queue, info, page_bytes, software, said, compiled: Mutex::default() })
+        Ok(Self {
+            adapter,
+            device,
+            queue,
+            info,
+            page_bytes,
+            software,
+            said,
+            compiled: Mutex::default(),
+            waits: Mutex::default(),
+        })
     }
 
     /// "llvmpipe (LLVM 15.0.6, 256 bits), Gl".
@@ -114,10 +129,32 @@ impl Gpu {
 
     /// Blocks until everything that was submitted is done.
     pub fn wait(&self) -> Result<(), GpuError> {
+        let here = thread::current().id();
+        *self.waits.lock().unwrap_or_else(PoisonError::into_inner).entry(here).or_default() += 1;
         match self.device.poll(wgpu::PollType::wait_indefinitely()) {
             Ok(_) => self.check(),
             Err(error) => Err(GpuError::Lost(error.to_string())),
         }
+    }
+
+    /// How often this thread has waited. A window's own thread never should.
+    pub fn waits_here(&self) -> u64 {
+        let waits = self.waits.lock().unwrap_or_else(PoisonError::into_inner);
+        waits.get(&thread::current().id()).copied().unwrap_or(0)
+    }
+
+    /// Lets what the GPU is done with be known. Waits for nothing.
+    pub fn look(&self) -> Result<(), GpuError> {
+        let looked = self.device.poll(wgpu::PollType::Poll);
+        looked.map(drop).map_err(|error| GpuError::Lost(error.to_string()))
+    }
+
+    /// True as soon as what was submitted up to now is done and [`Self::look`] or a frame has seen it.
+    pub fn done(&self) -> Arc<AtomicBool> {
+        let done = Arc::new(AtomicBool::new(false));
+        let told = done.clone();
+        self.queue.on_submitted_work_done(move || told.store(true, Ordering::Release));
+        done
     }
 
     /// Refuses an array that no buffer of this device can hold.

@@ -205,20 +205,62 @@ fn extent(size: [u32; 2], layers: u32) -> wgpu::Extent3d {
 
 /// Rows from the top, `texel` bytes a texel, without the padding that copies need. Blocks.
 pub fn read(gpu: &Gpu, texture: &wgpu::Texture, texel: u32) -> Result<Vec<u8>, GpuError> {
-    let (width, height) = (texture.width(), texture.height());
-    let row = width * texel;
-    let padded = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-    let staging = buffer::staging(gpu, u64::from(padded) * u64::from(height));
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(padded), rows_per_image: None };
-    encoder.copy_texture_to_buffer(
-        texture.as_image_copy(),
-        wgpu::TexelCopyBufferInfo { buffer: &staging, layout },
-        extent([width, height], 1),
-    );
+    let copied = Copied::of(gpu, &mut encoder, texture, texel);
     gpu.queue.submit([encoder.finish()]);
-    let bytes: Vec<u8> = buffer::read_staging(gpu, &staging)?;
-    Ok(bytes.chunks_exact(padded as usize).flat_map(|line| &line[..row as usize]).copied().collect())
+    let rows = copied.sent();
+    gpu.wait()?;
+    rows.take(gpu).unwrap_or_else(|| Err(buffer::not_there()))
+}
+
+/// A texture in a staging buffer, once its commands have run.
+pub struct Copied {
+    staging: wgpu::Buffer,
+    /// Bytes of a row, and with the padding that copies need.
+    row: u32,
+    padded: u32,
+}
+
+/// A texture on its way to the processor.
+pub struct Rows {
+    arriving: buffer::Arriving,
+    row: u32,
+    padded: u32,
+}
+
+impl Copied {
+    /// At this point of the commands; `texel` bytes a texel.
+    pub fn of(gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, texture: &wgpu::Texture, texel: u32) -> Self {
+        let (width, height) = (texture.width(), texture.height());
+        let row = width * texel;
+        let padded = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let staging = buffer::staging(gpu, u64::from(padded) * u64::from(height));
+        let layout =
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(padded), rows_per_image: None };
+        encoder.copy_texture_to_buffer(
+            texture.as_image_copy(),
+            wgpu::TexelCopyBufferInfo { buffer: &staging, layout },
+            extent([width, height], 1),
+        );
+        Self { staging, row, padded }
+    }
+
+    /// After the submit.
+    pub fn sent(self) -> Rows {
+        Rows { arriving: buffer::Arriving::new(self.staging), row: self.row, padded: self.padded }
+    }
+}
+
+impl Rows {
+    /// Rows from the top, without padding. `None`: the GPU has not come so far. Waits for nothing; they come once.
+    pub fn take(&self, gpu: &Gpu) -> Option<Result<Vec<u8>, GpuError>> {
+        let bytes = self.arriving.take::<u8>(gpu)?;
+        let unpadded = |bytes: Vec<u8>| {
+            let lines = bytes.chunks_exact(self.padded as usize);
+            lines.flat_map(|line| &line[..self.row as usize]).copied().collect()
+        };
+        Some(bytes.map(unpadded))
+    }
 }
 
 /// The nearest half float (IEEE 754 binary16), ties to even; what is larger becomes the largest.

@@ -160,20 +160,45 @@ impl Picking {
     }
 }
 
+/// What is seen in a rectangle, on its way from the GPU.
+pub struct Sought {
+    /// `None`: the rectangle holds no pixel.
+    numbers: Option<texture::Rows>,
+    /// Of the scene that was looked at: it may be another when the answer is there.
+    entities: Vec<EntityId>,
+}
+
+impl Sought {
+    /// What is seen there, in the scene's order. `None`: the GPU has not come so far. Waits for nothing; it comes once.
+    pub fn take(&self, gpu: &Gpu) -> Option<Result<Vec<EntityId>, RenderError>> {
+        let Some(numbers) = &self.numbers else { return Some(Ok(Vec::new())) };
+        let bytes = numbers.take(gpu)?;
+        Some(bytes.map(|bytes| self.entities_in(&bytes)).map_err(RenderError::from))
+    }
+
+    fn entities_in(&self, bytes: &[u8]) -> Vec<EntityId> {
+        let numbers =
+            bytes.chunks_exact(4).map(|texel| u32::from_le_bytes([texel[0], texel[1], texel[2], texel[3]]));
+        let seen: BTreeSet<u32> = numbers.filter(|&number| number > 0).collect();
+        seen.into_iter().filter_map(|number| self.entities.get(number as usize - 1).copied()).collect()
+    }
+}
+
 impl Renderer {
-    /// Entities (their places in the scene) that are seen in a rectangle of a picture of `size`, without those named.
-    /// Blocks until they are found.
-    pub fn seen_in(
+    /// Asks for the entities that are seen in a rectangle of a picture of `size`, without those named. One submission;
+    /// the answer is taken later.
+    pub fn seek(
         &mut self,
         now: &Now<'_>,
         size: [u32; 2],
         pixels: Pixels,
         without: &HashSet<EntityId>,
-    ) -> Result<BTreeSet<usize>, RenderError> {
+    ) -> Sought {
         let side = |axis: usize| pixels.high[axis].min(size[axis]).saturating_sub(pixels.low[axis]);
         let asked = [side(0), side(1)];
+        let entities = now.scene.entities.iter().map(|entity| entity.id).collect();
         if asked.contains(&0) {
-            return Ok(BTreeSet::new());
+            return Sought { numbers: None, entities };
         }
         let gpu = &*self.gpu.clone();
         self.instances.update(gpu, now, &self.transport, &self.materials, &mut self.meshes);
@@ -197,11 +222,9 @@ impl Renderer {
         };
         self.picking.draw(&mut pass, &numbered, false, left);
         drop(pass);
+        let copied = texture::Copied::of(gpu, &mut encoder, &numbers, 4);
         gpu.queue.submit([encoder.finish()]);
-        let bytes = texture::read(gpu, &numbers, 4)?;
-        let found =
-            bytes.chunks_exact(4).map(|texel| u32::from_le_bytes([texel[0], texel[1], texel[2], texel[3]]));
-        Ok(found.filter(|&number| number > 0).map(|number| number as usize - 1).collect())
+        Sought { numbers: Some(copied.sent()), entities }
     }
 }
 

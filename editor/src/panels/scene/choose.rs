@@ -1,14 +1,12 @@
 //! Selecting in the scene view: by clicks, by a rectangle, and from a list of what lies under the mouse.
 
-use std::collections::HashSet;
-
 use eframe::egui;
 use egui::{PointerButton, Pos2, Rect, Ui};
 use engine::scene::EntityId;
 
 use super::Seen;
 use super::hand::Hand;
-use super::pick::{all_under, in_area, joined, under};
+use super::pick::{Pick, What};
 use crate::ask::Asks;
 use crate::intents::Intent;
 use crate::theme;
@@ -16,7 +14,7 @@ use crate::viewport::Stage;
 use crate::viewport::marks::Mark;
 
 #[derive(Default)]
-pub(super) struct Choosing {
+pub struct Choosing {
     boxed: Option<Pos2>,
     /// The last click, and what it went through.
     cycle: Option<(Pos2, Vec<EntityId>)>,
@@ -27,18 +25,18 @@ pub(super) struct Choosing {
 }
 
 impl Choosing {
-    pub fn is_boxing(&self) -> bool {
+    pub(super) fn is_boxing(&self) -> bool {
         self.boxed.is_some()
     }
 
     /// To be called with every picture, whatever the mouse does.
-    pub fn watch(&mut self, hand: &Hand<'_>) {
+    pub(super) fn watch(&mut self, hand: &Hand<'_>) {
         let pressed = hand.ui.input(|input| input.pointer.secondary_pressed());
         self.flew = hand.response.dragged_by(PointerButton::Secondary) || self.flew && !pressed;
     }
 
-    pub fn handle(&mut self, hand: &Hand<'_>, marks: &[Mark], stage: &mut Stage, asks: &mut Asks) {
-        let Hand { ui, response, lens, seen, modifiers, .. } = *hand;
+    pub(super) fn handle(&mut self, hand: &Hand<'_>, marks: &[Mark], stage: &Stage, asks: &mut Asks) {
+        let Hand { ui, response, lens, modifiers, .. } = *hand;
         if response.drag_started_by(PointerButton::Primary) && !modifiers.alt {
             self.boxed = ui.input(|input| input.pointer.press_origin());
         }
@@ -47,47 +45,42 @@ impl Choosing {
             paint_box(hand, area);
             if response.drag_stopped_by(PointerButton::Primary) {
                 self.boxed = None;
-                let found = in_area(ui, lens, area, marks, stage, seen);
-                asks.push(Intent::Select(joined(seen.selection, found, modifiers)));
+                asks.push(Pick::inside(hand, area, marks, stage));
             }
             return;
         }
         let Some(at) = response.interact_pointer_pos() else { return };
         if response.clicked() {
-            let found = self.next_under(hand, at, marks, stage);
-            asks.push(Intent::Select(joined(seen.selection, found.into_iter().collect(), modifiers)));
+            asks.push(Pick::under(hand, at, marks, stage, What::Click(at)));
         }
         if response.secondary_clicked() && !self.flew {
-            let found = all_under(ui, lens, at, marks, stage, seen);
-            self.list = (!found.is_empty()).then_some((at, found));
+            asks.push(Pick::under(hand, at, marks, stage, What::List(at)));
         }
     }
 
-    /// A click at the same place goes through to what lies beneath.
-    fn next_under(
-        &mut self,
-        hand: &Hand<'_>,
-        at: Pos2,
-        marks: &[Mark],
-        stage: &mut Stage,
-    ) -> Option<EntityId> {
-        let Hand { ui, lens, seen, .. } = *hand;
-        let afresh = hand.modifiers.any();
+    /// A click at the same place goes through what the ones before it found, to what lies beneath.
+    pub fn through(&mut self, pick: &Pick) -> Vec<EntityId> {
+        let What::Click(at) = pick.what else { return Vec::new() };
+        let afresh = pick.modifiers.any();
         let again = self.cycle.take().filter(|(last, _)| !afresh && last.distance(at) < 3.0);
-        let mut gone_through = again.map_or(Vec::new(), |(_, through)| through);
-        let mut without: HashSet<EntityId> = gone_through.iter().copied().collect();
-        let mut found = under(ui, lens, at, marks, stage, seen, &without);
-        if found.is_none() {
-            gone_through.clear();
-            without.clear();
-            found = under(ui, lens, at, marks, stage, seen, &without);
-        }
-        gone_through.extend(found);
-        self.cycle = Some((at, gone_through));
-        found
+        again.map_or(Vec::new(), |(_, through)| through)
     }
 
-    pub fn list_under_mouse(&mut self, ui: &Ui, seen: &Seen<'_>, asks: &mut Asks) {
+    /// What a click found, after what it went through.
+    pub fn went_through(&mut self, at: Pos2, through: Vec<EntityId>) {
+        self.cycle = Some((at, through));
+    }
+
+    /// The list as far as it is known. Returns whether it is still looked at.
+    pub fn list(&mut self, at: Pos2, found: &[EntityId]) -> bool {
+        let is_open = found.len() == 1 || self.list.as_ref().is_some_and(|(of, _)| *of == at);
+        if is_open {
+            self.list = Some((at, found.to_vec()));
+        }
+        is_open
+    }
+
+    pub(super) fn list_under_mouse(&mut self, ui: &Ui, seen: &Seen<'_>, asks: &mut Asks) {
         let Some((at, found)) = self.list.take() else { return };
         let mut open = true;
         let popup = egui::Popup::new(ui.scope_id().with("under mouse"), ui.ctx().clone(), at, ui.layer_id())

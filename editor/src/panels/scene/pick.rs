@@ -1,25 +1,70 @@
 //! What lies under the mouse, or inside a rectangle that it drew: icons first, then surfaces as the GPU sees them.
-
-use std::collections::HashSet;
+//!
+//! The GPU is asked in one picture of the editor and its answer taken in a later one: nobody waits for it. So a question is
+//! data, with all that it is about as it was when the mouse asked: where from, with which keys.
 
 use eframe::egui;
-use egui::{Pos2, Rect, Ui};
-use engine::render::View;
+use egui::{Modifiers, Pos2, Rect};
+use engine::render::Eye;
 use engine::render::picking::Pixels;
 use engine::scene::EntityId;
 
-use super::Seen;
-use crate::lens::Lens;
+use super::hand::Hand;
 use crate::selection::Selection;
 use crate::viewport::marks::{self, Mark};
 use crate::viewport::{Picture, Stage};
 
+/// A question of the mouse.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pick {
+    pub what: What,
+    pub modifiers: Modifiers,
+    pub eye: Eye,
+    /// Pixels of the picture, and those that are asked about.
+    pub size: [u32; 2],
+    pub pixels: Pixels,
+    /// Icons that are met, the nearest first.
+    pub icons: Vec<EntityId>,
+}
+
+/// What the answer is for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum What {
+    /// The first there is selected; of clicks at the same place each goes through to what lies beneath.
+    Click(Pos2),
+    /// All of them, one beneath the other, are listed there.
+    List(Pos2),
+    /// All that is seen is selected.
+    Area,
+}
+
+impl Pick {
+    pub(super) fn under(hand: &Hand<'_>, at: Pos2, marks: &[Mark], stage: &Stage, what: What) -> Self {
+        let [x, y] = pixel_of(hand, at);
+        let pixels = Pixels { low: [x, y], high: [x + 1, y + 1] };
+        Self::of(hand, pixels, marks::under(marks, at), stage, what)
+    }
+
+    pub(super) fn inside(hand: &Hand<'_>, area: Rect, marks: &[Mark], stage: &Stage) -> Self {
+        let pixels = Pixels { low: pixel_of(hand, area.min), high: pixel_of(hand, area.max) };
+        let icons = marks.iter().filter(|mark| area.contains(mark.at)).map(|mark| mark.entity);
+        Self::of(hand, pixels, icons.collect(), stage, What::Area)
+    }
+
+    fn of(hand: &Hand<'_>, pixels: Pixels, icons: Vec<EntityId>, stage: &Stage, what: What) -> Self {
+        let (rect, scale) = (hand.lens.rect, hand.ui.ctx().pixels_per_point());
+        let size = Picture::pixels(stage.gpu(), rect.size(), scale);
+        Self { what, modifiers: hand.modifiers, eye: hand.lens.eye, size, pixels, icons }
+    }
+
+    /// The first icon beneath those that it went through.
+    pub fn icon(&self, through: &[EntityId]) -> Option<EntityId> {
+        self.icons.iter().find(|icon| self.what != What::Area && !through.contains(icon)).copied()
+    }
+}
+
 /// Shift adds, Ctrl takes away what is selected and adds what is not.
-pub(super) fn joined(
-    selection: &Selection,
-    found: Vec<EntityId>,
-    modifiers: egui::Modifiers,
-) -> Vec<EntityId> {
+pub fn joined(selection: &Selection, found: Vec<EntityId>, modifiers: Modifiers) -> Vec<EntityId> {
     if !modifiers.shift && !modifiers.command {
         return found;
     }
@@ -34,75 +79,7 @@ pub(super) fn joined(
     ids
 }
 
-fn pixel_of(ui: &Ui, lens: &Lens, at: Pos2) -> [u32; 2] {
-    let off = (at - lens.rect.min) * ui.ctx().pixels_per_point();
+fn pixel_of(hand: &Hand<'_>, at: Pos2) -> [u32; 2] {
+    let off = (at - hand.lens.rect.min) * hand.ui.ctx().pixels_per_point();
     [off.x.max(0.0) as u32, off.y.max(0.0) as u32]
-}
-
-/// The first under the mouse: an icon, or else a surface.
-pub(super) fn under(
-    ui: &Ui,
-    lens: &Lens,
-    at: Pos2,
-    marks: &[Mark],
-    stage: &mut Stage,
-    seen: &Seen<'_>,
-    without: &HashSet<EntityId>,
-) -> Option<EntityId> {
-    let left: Vec<Mark> = marks.iter().copied().filter(|mark| !without.contains(&mark.entity)).collect();
-    if let Some(id) = marks::under(&left, at) {
-        return Some(id);
-    }
-    let [x, y] = pixel_of(ui, lens, at);
-    let pixels = Pixels { low: [x, y], high: [x + 1, y + 1] };
-    seen_in(ui, lens, pixels, stage, seen, without).first().copied()
-}
-
-pub(super) fn all_under(
-    ui: &Ui,
-    lens: &Lens,
-    at: Pos2,
-    marks: &[Mark],
-    stage: &mut Stage,
-    seen: &Seen<'_>,
-) -> Vec<EntityId> {
-    const MOST: usize = 24;
-    let mut found = Vec::new();
-    let mut without = HashSet::new();
-    while let Some(id) = under(ui, lens, at, marks, stage, seen, &without).filter(|_| found.len() < MOST) {
-        found.push(id);
-        without.insert(id);
-    }
-    found
-}
-
-pub(super) fn in_area(
-    ui: &Ui,
-    lens: &Lens,
-    area: Rect,
-    marks: &[Mark],
-    stage: &mut Stage,
-    seen: &Seen<'_>,
-) -> Vec<EntityId> {
-    let pixels = Pixels { low: pixel_of(ui, lens, area.min), high: pixel_of(ui, lens, area.max) };
-    let mut found = seen_in(ui, lens, pixels, stage, seen, &HashSet::new());
-    found.extend(marks.iter().filter(|mark| area.contains(mark.at)).map(|mark| mark.entity));
-    found
-}
-
-fn seen_in(
-    ui: &Ui,
-    lens: &Lens,
-    pixels: Pixels,
-    stage: &mut Stage,
-    seen: &Seen<'_>,
-    without: &HashSet<EntityId>,
-) -> Vec<EntityId> {
-    let size = Picture::pixels(stage.gpu(), lens.rect.size(), ui.ctx().pixels_per_point());
-    let now = seen.scenery.now(lens.eye, View::Composite);
-    let locked =
-        seen.scenery.scene.entities.iter().map(|entity| entity.id).filter(|id| seen.document.is_locked(*id));
-    let without = without.iter().copied().chain(locked).collect();
-    let found = stage.renderer.seen_in(&now, size, pixels, &without).unwrap_or_default();
-    found.into_iter().filter_map(|at| Some(seen.scenery.scene.entities.get(at)?.id)).collect()
 }
