@@ -14,8 +14,23 @@ use crate::chart::{Chart, Charts, Frame};
 use crate::gap;
 use crate::surface::Surface;
 
-/// Segments by chart, in the chart's plane, clipped to it.
-pub type Cuts = HashMap<u32, Vec<[DVec2; 2]>>;
+/// Lines by chart, in the chart's plane, clipped to it.
+pub type Cuts = HashMap<u32, Vec<Line>>;
+
+/// Where patches end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Line {
+    pub ends: [DVec2; 2],
+    /// Light goes on across it.
+    pub smooth: bool,
+}
+
+impl Line {
+    /// Nothing goes on across it.
+    pub fn cut(ends: [DVec2; 2]) -> Self {
+        Self { ends, smooth: false }
+    }
+}
 
 /// `size`: the length of the pieces that charts are divided into. Charts of at least that size are cut by
 /// everything; smaller ones are cut by those.
@@ -32,22 +47,22 @@ pub fn cuts(surface: &Surface, charts: &Charts, size: impl Fn(u32) -> f64) -> Cu
         if chart.area < (4.0 * reach).powi(2) {
             continue; // a coin on a ground of a hundred kilometres: a cut would reach beyond it, and it would grow
         }
-        let mut segments: Vec<[DVec2; 2]> = Vec::new();
+        let mut lines: Vec<Line> = Vec::new();
         for &other in pairs.get(&id).into_iter().flatten() {
-            for segment in meet(&chart.frame, surface.triangles[other as usize].positions(), reach) {
-                clip(surface, chart, segment, reach, &mut segments);
+            for ends in meet(&chart.frame, surface.triangles[other as usize].positions(), reach) {
+                clip(surface, chart, Line::cut(ends), reach, &mut lines);
             }
         }
         let both =
             surface.batches[surface.triangles[chart.triangles[0] as usize].batch as usize].double_sided != 0;
         for &other in near.get(&id).into_iter().flatten() {
-            for segment in gap::outline(charts, other, &chart.frame, both, reach, size(id)) {
-                clip(surface, chart, segment, reach, &mut segments);
+            for line in gap::outline(charts, other, &chart.frame, both, reach, size(id)) {
+                clip(surface, chart, line, reach, &mut lines);
             }
         }
-        let segments = tidy(charts, chart, segments, reach);
-        if !segments.is_empty() {
-            cuts.insert(id, segments);
+        let lines = tidy(charts, chart, lines, reach);
+        if !lines.is_empty() {
+            cuts.insert(id, lines);
         }
     }
     cuts
@@ -147,8 +162,9 @@ fn meet(frame: &Frame, triangle: [DVec3; 3], reach: f64) -> Vec<[DVec2; 2]> {
     if points.len() == 2 { vec![[points[0], points[1]]] } else { Vec::new() }
 }
 
-/// The parts of a segment that lie in the chart.
-fn clip(surface: &Surface, chart: &Chart, [a, b]: [DVec2; 2], reach: f64, out: &mut Vec<[DVec2; 2]>) {
+/// The parts of a line that lie in the chart.
+fn clip(surface: &Surface, chart: &Chart, line: Line, reach: f64, out: &mut Vec<Line>) {
+    let [a, b] = line.ends;
     let length = (b - a).length();
     if length <= reach {
         return;
@@ -173,7 +189,7 @@ fn clip(surface: &Surface, chart: &Chart, [a, b]: [DVec2; 2], reach: f64, out: &
         joined
             .into_iter()
             .filter(|(from, to)| (to - from) * length > reach)
-            .map(|(from, to)| [a.lerp(b, from), a.lerp(b, to)]),
+            .map(|(from, to)| Line { ends: [a.lerp(b, from), a.lerp(b, to)], ..line }),
     );
 }
 
@@ -196,8 +212,10 @@ fn inside_triangle(corners: [DVec2; 3], a: DVec2, b: DVec2, reach: f64) -> Optio
     (from < to).then_some((from, to))
 }
 
-/// Ends snap to the outline where they are near it; segments along the outline and doubles are dropped.
-fn tidy(charts: &Charts, chart: &Chart, segments: Vec<[DVec2; 2]>, reach: f64) -> Vec<[DVec2; 2]> {
+/// Ends snap to the outline where they are near it; lines along the outline and doubles are dropped. Of doubles the cut
+/// stays.
+fn tidy(charts: &Charts, chart: &Chart, mut lines: Vec<Line>, reach: f64) -> Vec<Line> {
+    lines.sort_by_key(|line| line.smooth);
     let snap = 2.0 * reach;
     let outline: Vec<[DVec2; 2]> = chart
         .outline
@@ -217,33 +235,33 @@ fn tidy(charts: &Charts, chart: &Chart, segments: Vec<[DVec2; 2]>, reach: f64) -
     };
     let mut seen = HashSet::new();
     let mut tidy = Vec::new();
-    for [a, b] in segments {
-        let (a, b) = (snapped(a), snapped(b));
+    for line in lines {
+        let [a, b] = line.ends.map(&mut snapped);
         let bits = |p: DVec2| p.to_array().map(f64::to_bits);
         let along = outline
             .iter()
             .any(|&edge| foot(edge, a).distance(a) <= snap && foot(edge, b).distance(b) <= snap);
         let key = if bits(a) < bits(b) { (bits(a), bits(b)) } else { (bits(b), bits(a)) };
         if a != b && !along && seen.insert(key) {
-            tidy.push([a, b]);
+            tidy.push(Line { ends: [a, b], ..line });
         }
     }
     part(tidy, snap)
 }
 
-/// Segments cut where they cross or touch each other, so that they meet in their ends alone.
-fn part(mut segments: Vec<[DVec2; 2]>, snap: f64) -> Vec<[DVec2; 2]> {
-    let low = |[a, b]: &[DVec2; 2]| a.x.min(b.x);
-    let high = |[a, b]: &[DVec2; 2]| a.x.max(b.x);
-    segments.sort_by(|p, q| low(p).total_cmp(&low(q)));
-    let mut stops: Vec<Vec<DVec2>> = segments.iter().map(|segment| segment.to_vec()).collect();
-    for i in 0..segments.len() {
-        for j in i + 1..segments.len() {
-            if low(&segments[j]) > high(&segments[i]) + snap {
+/// Lines parted where they cross or touch each other, so that they meet in their ends alone.
+fn part(mut lines: Vec<Line>, snap: f64) -> Vec<Line> {
+    let low = |line: &Line| line.ends[0].x.min(line.ends[1].x);
+    let high = |line: &Line| line.ends[0].x.max(line.ends[1].x);
+    lines.sort_by(|p, q| low(p).total_cmp(&low(q)));
+    let mut stops: Vec<Vec<DVec2>> = lines.iter().map(|line| line.ends.to_vec()).collect();
+    for i in 0..lines.len() {
+        for j in i + 1..lines.len() {
+            if low(&lines[j]) > high(&lines[i]) + snap {
                 break;
             }
             let touches = |p: DVec2, segment: [DVec2; 2]| foot(segment, p).distance(p) <= snap;
-            let (p, q) = (segments[i], segments[j]);
+            let (p, q) = (lines[i].ends, lines[j].ends);
             let ends_on_i = q.into_iter().filter(|&end| touches(end, p));
             let ends_on_j = p.into_iter().filter(|&end| touches(end, q));
             let (on_i, on_j): (Vec<DVec2>, Vec<DVec2>) = (ends_on_i.collect(), ends_on_j.collect());
@@ -253,16 +271,19 @@ fn part(mut segments: Vec<[DVec2; 2]>, snap: f64) -> Vec<[DVec2; 2]> {
         }
     }
     let bits = |p: DVec2| p.to_array().map(f64::to_bits);
+    let mut parted: Vec<(Line, Vec<DVec2>)> = lines.into_iter().zip(stops).collect();
+    parted.sort_by_key(|(line, _)| line.smooth);
     let mut seen = HashSet::new();
     let mut parts = Vec::new();
-    for ([a, b], mut stops) in segments.into_iter().zip(stops) {
+    for (line, mut stops) in parted {
+        let [a, b] = line.ends;
         let along = |p: DVec2| (p - a).dot(b - a);
         stops.sort_by(|&p, &q| along(p).total_cmp(&along(q)));
         stops.dedup_by(|p, q| p.distance(*q) <= snap);
         for pair in stops.windows(2) {
             let (p, q) = (bits(pair[0]), bits(pair[1]));
             if seen.insert(if p < q { (p, q) } else { (q, p) }) {
-                parts.push([pair[0], pair[1]]);
+                parts.push(Line { ends: [pair[0], pair[1]], ..line });
             }
         }
     }

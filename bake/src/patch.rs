@@ -11,7 +11,7 @@ use engine::transport::Batch;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::split::Fine;
+use crate::split::{Fine, Side};
 
 /// Neighbours of refined triangles.
 pub struct Links {
@@ -27,9 +27,9 @@ pub fn links(fine: &Fine, batches: &[Batch]) -> Links {
         let corner = fine.triangles[t].corners[k % 3] as usize;
         (fine.corners[corner].position.as_vec3() + 0.0).to_array().map(f32::to_bits)
     };
-    type Side = ([u32; 2], [u32; 3], [u32; 3]);
-    let mut sides: HashMap<Side, (u32, u32)> = HashMap::with_capacity(fine.triangles.len() * 3);
-    let side = |t: usize, k: usize| -> Side {
+    type Between = ([u32; 2], [u32; 3], [u32; 3]);
+    let mut sides: HashMap<Between, (u32, u32)> = HashMap::with_capacity(fine.triangles.len() * 3);
+    let side = |t: usize, k: usize| -> Between {
         (batches[fine.triangles[t].batch as usize].entity, place(t, k), place(t, k + 1))
     };
     for t in 0..fine.triangles.len() {
@@ -37,7 +37,7 @@ pub fn links(fine: &Fine, batches: &[Batch]) -> Links {
             sides.entry(side(t, k)).and_modify(|side| side.1 += 1).or_insert(((t * 3 + k) as u32, 1));
         }
     }
-    let only = |side: &Side| sides.get(side).filter(|(_, count)| *count == 1).map(|&(at, _)| at);
+    let only = |side: &Between| sides.get(side).filter(|(_, count)| *count == 1).map(|&(at, _)| at);
     let normal = |at: u32| {
         let corner = fine.triangles[at as usize / 3].corners[at as usize % 3];
         fine.corners[corner as usize].normal
@@ -49,8 +49,8 @@ pub fn links(fine: &Fine, batches: &[Batch]) -> Links {
         for k in 0..3 {
             let here = side(t, k);
             let there = only(&here).and_then(|_| only(&(here.0, here.2, here.1)));
-            let Some(there) = there.filter(|_| !triangle.cut[k]) else { continue };
-            if fine.triangles[there as usize / 3].cut[there as usize % 3] {
+            let Some(there) = there.filter(|_| triangle.sides[k] != Side::Cut) else { continue };
+            if fine.triangles[there as usize / 3].sides[there as usize % 3] == Side::Cut {
                 continue;
             }
             beyond[k] = there / 3;
@@ -68,7 +68,9 @@ pub fn links(fine: &Fine, batches: &[Batch]) -> Links {
 pub fn group(fine: &Fine, links: &Links, length: f64) -> Vec<Vec<u32>> {
     let facts: Vec<Facts> = (0..fine.triangles.len()).map(|t| Facts::of(fine, t, length)).collect();
     let pieces = pieces(fine, links, &facts);
-    let (small, large): (Vec<_>, Vec<_>) = pieces.into_iter().partition(|piece| share(&facts, piece) < 0.25);
+    let is_beside_a_gap = |t: &u32| fine.triangles[*t as usize].sides.contains(&Side::Smooth);
+    let is_small = |piece: &Vec<u32>| share(&facts, piece) < 0.25 && !piece.iter().any(is_beside_a_gap);
+    let (small, large): (Vec<_>, Vec<_>) = pieces.into_iter().partition(is_small);
     let mut groups: Vec<Vec<u32>> = large
         .par_iter()
         .flat_map_iter(|piece| {
@@ -129,7 +131,7 @@ fn pieces(fine: &Fine, links: &Links, facts: &[Facts]) -> Vec<Vec<u32>> {
         let turn = facts[a as usize].normal.dot(facts[b as usize].normal);
         fine.triangles[a as usize].batch == fine.triangles[b as usize].batch
             && (turn > 0.8
-                || (turn > 0.3 && tiny(a) && tiny(b) && fine.triangles[a as usize].cut == [false; 3]))
+                || (turn > 0.3 && tiny(a) && tiny(b) && fine.triangles[a as usize].sides == [Side::Open; 3]))
     };
     let mut seen = vec![false; facts.len()];
     let mut pieces = Vec::new();
@@ -141,7 +143,10 @@ fn pieces(fine: &Fine, links: &Links, facts: &[Facts]) -> Vec<Vec<u32>> {
         let mut next = 0;
         while next < piece.len() {
             let t = piece[next];
-            for &other in links.beyond[t as usize].iter().filter(|&&other| other != u32::MAX) {
+            let sides = fine.triangles[t as usize].sides;
+            let open =
+                links.beyond[t as usize].into_iter().zip(sides).filter(|(_, side)| *side == Side::Open);
+            for other in open.map(|(other, _)| other).filter(|&other| other != u32::MAX) {
                 if !seen[other as usize] && joined(t, other) {
                     seen[other as usize] = true;
                     piece.push(other);

@@ -13,7 +13,7 @@ use glam::{DVec3, Vec3};
 use crate::patch::Links;
 use crate::pipeline::INSIDE;
 use crate::rays::Hits;
-use crate::split::Fine;
+use crate::split::{Fine, FineTriangle, Side};
 
 /// A receiver's place, in scaled space.
 #[derive(Clone, Copy, Debug)]
@@ -114,6 +114,7 @@ fn nodes(fine: &Fine, links: &Links, batches: &[Batch], length: f64) -> (Vec<[u3
             node.normal += corners[k].normal * area as f32;
             node.middle += (a + b + c) / 3.0 * area;
             node.double_sided |= batch.double_sided != 0;
+            node.size = node.size.min(width_beside_a_gap(triangle, [a, b, c]));
             *weight += area;
             node_of[t][k] = id;
         }
@@ -124,6 +125,15 @@ fn nodes(fine: &Fine, links: &Links, batches: &[Batch], length: f64) -> (Vec<[u3
         node
     });
     (node_of, finished.collect())
+}
+
+/// Where patches end beside a gap, light changes over its width, a strip of triangles: their height on the longest side.
+fn width_beside_a_gap(triangle: &FineTriangle, [a, b, c]: [DVec3; 3]) -> f64 {
+    if !triangle.sides.contains(&Side::Smooth) {
+        return f64::INFINITY;
+    }
+    let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+    (b - a).cross(c - a).length() / longest
 }
 
 /// Two triangles may share two sides; this is the one.

@@ -4,7 +4,7 @@
 //! Points on an edge are made from the edge alone, in one direction, with the places where cuts end on it; the
 //! charts on both sides get the very same points, and no crack.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -13,7 +13,7 @@ use spade::{CdtEdge, ConstrainedDelaunayTriangulation, HasPosition, Point2, Tria
 
 use crate::Watcher;
 use crate::chart::{Affine, Chart, Charts};
-use crate::cut::{Cuts, contact, foot};
+use crate::cut::{Cuts, Line, contact, foot};
 use crate::surface::{Corner, Surface};
 
 /// The refined triangles of the whole scene.
@@ -27,8 +27,19 @@ pub struct Fine {
 pub struct FineTriangle {
     pub corners: [u32; 3],
     pub batch: u32,
-    /// The side from corner k to k + 1 lies on a cut.
-    pub cut: [bool; 3],
+    /// Of the sides from corner k to k + 1.
+    pub sides: [Side; 3],
+}
+
+/// What a side of a refined triangle is to patches and to receivers.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Side {
+    #[default]
+    Open,
+    /// Patches end, light goes on.
+    Smooth,
+    /// Nothing goes on.
+    Cut,
 }
 
 /// `size`: the length of pieces where the density is 1, in scaled units. Told to stop, it gives what it has.
@@ -72,13 +83,13 @@ type Ends = HashMap<[u32; 2], Vec<f64>>;
 
 fn ends_on_edges(charts: &Charts, cuts: &Cuts, size: f64) -> Ends {
     let mut ends = Ends::new();
-    for (&id, segments) in cuts {
+    for (&id, lines) in cuts {
         let chart = &charts.charts[id as usize];
         for &[a, b] in &chart.outline {
             let (low, high) = (a.min(b), a.max(b));
             let flat = [low, high].map(|v| chart.frame.flat(charts.positions[v as usize]));
             let length = flat[0].distance(flat[1]);
-            for &p in segments.iter().flatten() {
+            for p in lines.iter().flat_map(|line| line.ends) {
                 let foot = foot(flat, p);
                 let t = foot.distance(flat[0]) / length;
                 if foot.distance(p) <= 1e-9 && t * length > 1e-9 && (1.0 - t) * length > 1e-9 {
@@ -132,16 +143,17 @@ impl HasPosition for Point {
 }
 
 type Cdt = ConstrainedDelaunayTriangulation<Point>;
+
+/// A chart's triangulation.
+struct Divided {
+    cdt: Cdt,
+    /// Constraints across which light goes on, in both directions.
+    smooth: HashSet<[FixedVertexHandle; 2]>,
+}
+
 type Face<'a> = FaceHandle<'a, InnerTag, Point, (), CdtEdge<()>, ()>;
 
-fn split_chart(
-    surface: &Surface,
-    charts: &Charts,
-    cuts: &[[DVec2; 2]],
-    ends: &Ends,
-    size: f64,
-    id: u32,
-) -> Fine {
+fn split_chart(surface: &Surface, charts: &Charts, cuts: &[Line], ends: &Ends, size: f64, id: u32) -> Fine {
     let chart = &charts.charts[id as usize];
     let edges: Vec<Vec<DVec3>> = chart.outline.iter().map(|&edge| divide(charts, ends, edge, size)).collect();
     let finest =
@@ -150,10 +162,10 @@ fn split_chart(
     if whole {
         return as_it_is(surface, chart);
     }
-    let Some(cdt) = triangulate(charts, chart, surface, cuts, &edges, size) else {
+    let Some(divided) = triangulate(charts, chart, surface, cuts, &edges, size) else {
         return as_it_is(surface, chart);
     };
-    let fine = read_off(surface, chart, &cdt);
+    let fine = read_off(surface, chart, &divided);
     // A sliver as narrow as what rounding leaves beside an edge stays whole.
     if area(&fine) < 0.5 * chart.area { as_it_is(surface, chart) } else { fine }
 }
@@ -173,7 +185,7 @@ fn as_it_is(surface: &Surface, chart: &Chart) -> Fine {
         let first = fine.corners.len() as u32;
         fine.corners.extend(triangle.corners);
         let corners = [first, first + 1, first + 2];
-        fine.triangles.push(FineTriangle { corners, batch: triangle.batch, cut: [false; 3] });
+        fine.triangles.push(FineTriangle { corners, batch: triangle.batch, sides: [Side::Open; 3] });
     }
     fine
 }
@@ -182,10 +194,10 @@ fn triangulate(
     charts: &Charts,
     chart: &Chart,
     surface: &Surface,
-    cuts: &[[DVec2; 2]],
+    cuts: &[Line],
     edges: &[Vec<DVec3>],
     size: f64,
-) -> Option<Cdt> {
+) -> Option<Divided> {
     let mut cdt = Cdt::new();
     let mut outline: Vec<[FixedVertexHandle; 2]> = Vec::new();
     for (&[a, b], between) in chart.outline.iter().zip(edges) {
@@ -202,7 +214,8 @@ fn triangulate(
     for [a, b] in outline {
         constrain(&mut cdt, a, b);
     }
-    for &[a, b] in cuts {
+    let mut smooth = HashSet::new();
+    for &Line { ends: [a, b], smooth: is_smooth } in cuts {
         let middle = chart.frame.place(a.midpoint(b));
         let step = size / f64::from(affine_of(surface, chart).at(middle).density).max(1e-3);
         let n = (a.distance(b) / step - 0.3).ceil().max(1.0) as usize;
@@ -210,11 +223,14 @@ fn triangulate(
         for i in 1..=n {
             let next = insert(&mut cdt, a.lerp(b, i as f64 / n as f64), None)?;
             constrain(&mut cdt, last, next);
+            if is_smooth {
+                smooth.extend([[last, next], [next, last]]);
+            }
             last = next;
         }
     }
     fill(&mut cdt, surface, chart, size);
-    Some(cdt)
+    Some(Divided { cdt, smooth })
 }
 
 fn affine_of(surface: &Surface, chart: &Chart) -> Affine {
@@ -323,7 +339,7 @@ fn inside(corners: &[[DVec2; 3]], p: DVec2) -> bool {
 }
 
 /// The triangles inside the chart, with their attributes.
-fn read_off(surface: &Surface, chart: &Chart, cdt: &Cdt) -> Fine {
+fn read_off(surface: &Surface, chart: &Chart, Divided { cdt, smooth }: &Divided) -> Fine {
     let affine = affine_of(surface, chart);
     let batch = surface.triangles[chart.triangles[0] as usize].batch;
     let corners: Vec<[DVec2; 3]> = chart
@@ -350,11 +366,15 @@ fn read_off(surface: &Surface, chart: &Chart, cdt: &Cdt) -> Fine {
         if cross <= 1e-5 * longest {
             continue; // what rounding leaves between an edge and the points that divide it
         }
-        let cut = face.adjacent_edges().map(|edge| {
+        let sides = face.adjacent_edges().map(|edge| {
             let other = edge.rev().face();
-            edge.is_constraint_edge() && !other.is_outer() && is_inside[other.index()]
+            match edge.is_constraint_edge() && !other.is_outer() && is_inside[other.index()] {
+                true if smooth.contains(&[edge.from().fix(), edge.to().fix()]) => Side::Smooth,
+                true => Side::Cut,
+                false => Side::Open,
+            }
         });
-        fine.triangles.push(FineTriangle { corners, batch, cut });
+        fine.triangles.push(FineTriangle { corners, batch, sides });
     }
     fine
 }

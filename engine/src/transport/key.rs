@@ -28,8 +28,9 @@ pub struct BakeWith {
 
 /// Counts up whenever the same input bakes to other bytes. 5: cuts along what stands a
 /// little off; weights of receivers and probes that four bytes hold; origins at halves of the grid. 6: points of the grid
-/// on sides of the triangulation; what stands beside a foot of a wall hides; 256 points towards near emitters.
-const METHOD: u32 = 6;
+/// on sides of the triangulation; what stands beside a foot of a wall hides; 256 points towards near emitters. 7: patches end
+/// beside a gap, too.
+const METHOD: u32 = 7;
 /// Likewise for scenes with normal maps on static surfaces, and for no others.
 const DIRECTIONAL_METHOD: u32 = 1;
 

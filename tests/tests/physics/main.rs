@@ -4,4 +4,5 @@
 mod cie_171;
 mod enclosures;
 mod factors;
+mod gaps;
 mod points;

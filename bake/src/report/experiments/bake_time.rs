@@ -51,7 +51,7 @@ pub fn longest(presets: &[Preset]) -> f64 {
 }
 
 /// Bakes what the budget allows, first what every diagram needs: the presets, the longest patches with all rays, all
-/// lengths with few; then the presets again, for a median of three; then what refines the lines, cheap points first.
+/// lengths with few; then, the cheap ones first, what refines the lines, and the presets again for a median of three.
 pub fn bake_all(
     bakes: &mut Bakes,
     presets: &[Preset],
@@ -60,31 +60,21 @@ pub fn bake_all(
     budget: &Budget,
     watcher: &dyn Watcher,
 ) -> Result<(), BakeError> {
-    let Wanted { mut least, mut finer } = wanted(presets, shipped);
-    [&mut least, &mut finer]
-        .into_iter()
-        .for_each(|recipes| recipes.retain(|recipe| recipe.rays <= most_rays));
-    watcher.stage("bakes", (least.len() + presets.len() * (RUNS - 1) + finer.len()) as u64);
+    let Wanted { mut least, mut more } = wanted(presets, shipped);
+    [&mut least, &mut more].into_iter().for_each(|recipes| recipes.retain(|recipe| recipe.rays <= most_rays));
+    watcher.stage("bakes", (least.len() + more.len()) as u64);
     let mut left_out = Vec::new();
-    for recipe in least {
-        if !bakes.make(recipe, budget, watcher)? {
-            left_out.push(format!("{recipe} ({:.0} s)", bakes.expected(recipe)));
-        }
-        watcher.advance(1, 0);
-    }
-    for preset in presets.iter().flat_map(|preset| [preset; RUNS - 1]) {
-        if bakes.of(preset.recipe).is_some_and(|made| made.seconds.len() < RUNS) {
-            bakes.make(preset.recipe, budget, watcher)?;
-        }
-        watcher.advance(1, 0);
-    }
-    for recipe in finer {
-        if !bakes.make(recipe, &budget.part(LARGE), watcher)? {
+    let turns =
+        least.into_iter().map(|recipe| (recipe, 1.0)).chain(more.into_iter().map(|recipe| (recipe, LARGE)));
+    for (recipe, share) in turns {
+        let known = bakes.of(recipe).is_some();
+        if !bakes.make(recipe, &budget.part(share), watcher)? && !known {
             left_out.push(format!("{recipe} ({:.0} s)", bakes.expected(recipe)));
         }
         watcher.advance(1, 0);
     }
     if !left_out.is_empty() {
+        left_out.dedup();
         bakes.notes.push(format!("bakes that the budget had no time for: {}", left_out.join(", ")));
     }
     Ok(())
@@ -93,7 +83,8 @@ pub fn bake_all(
 /// In the order of their turns.
 struct Wanted {
     least: Vec<Recipe>,
-    finer: Vec<Recipe>,
+    /// Once for each time.
+    more: Vec<Recipe>,
 }
 
 /// The cheapest of the lines to begin with, for nothing is known of time before.
@@ -115,17 +106,21 @@ fn wanted(presets: &[Preset], shipped: Recipe) -> Wanted {
         .collect();
     lines.sort_by(|a, b| a.work().total_cmp(&b.work()));
     let first = lines.first().copied();
-    let presets = presets.iter().map(|preset| preset.recipe);
+    let mut presets: Vec<Recipe> = presets.iter().map(|preset| preset.recipe).collect();
+    presets.dedup();
     let is_least = |recipe: &Recipe| recipe.length == longest || recipe.rays == FEW_RAYS;
     let (of_all, finer): (Vec<Recipe>, Vec<Recipe>) = lines.into_iter().partition(is_least);
     let mut least: Vec<Recipe> = Vec::new();
-    for recipe in first.into_iter().chain(presets).chain([shipped]).chain(of_all) {
+    for recipe in first.into_iter().chain(presets.iter().copied()).chain([shipped]).chain(of_all) {
         if !least.contains(&recipe) {
             least.push(recipe);
         }
     }
-    let finer = finer.into_iter().filter(|recipe| !least.contains(recipe)).collect();
-    Wanted { least, finer }
+    let finer = finer.into_iter().filter(|recipe| !least.contains(recipe));
+    let again = presets.into_iter().flat_map(|preset| [preset; RUNS - 1]);
+    let mut more: Vec<Recipe> = finer.chain(again).collect();
+    more.sort_by(|a, b| a.work().total_cmp(&b.work()));
+    Wanted { least, more }
 }
 
 /// What the bakes say: all of it, form factors, patches. `exactly`: the matrix references of patch lengths.
@@ -349,7 +344,7 @@ mod tests {
     fn what_every_diagram_needs_is_baked_before_what_refines_it() {
         let preset = |quality, length, rays| Preset { quality, recipe: Recipe { length, rays } };
         let presets = [preset(Quality::Draft, 1.0, 512), preset(Quality::Standard, 0.5, 1024)];
-        let Wanted { least, finer } = wanted(&presets, presets[1].recipe);
+        let Wanted { least, more } = wanted(&presets, presets[1].recipe);
         assert_eq!(least[0], Recipe { length: 1.0, rays: 64 });
         assert_eq!(least[1..3], presets.map(|preset| preset.recipe));
         assert!(
@@ -358,6 +353,9 @@ mod tests {
                 .iter()
                 .all(|of| least.contains(of))
         );
-        assert!(finer.iter().all(|recipe| !least.contains(recipe)) && !finer.is_empty());
+        let again = |recipe: Recipe| more.iter().filter(|of| **of == recipe).count();
+        assert!(presets.iter().all(|preset| again(preset.recipe) == RUNS - 1));
+        let finer = more.iter().filter(|recipe| presets.iter().all(|preset| preset.recipe != **recipe));
+        assert!(finer.clone().all(|recipe| !least.contains(recipe)) && finer.count() > 0);
     }
 }
