@@ -2,7 +2,9 @@
 
 mod beside;
 mod bring;
+mod checks;
 mod drops;
+mod in_turn;
 mod leave;
 mod window;
 
@@ -81,6 +83,7 @@ pub struct Editor {
     title: String,
     /// Another program wrote the scene's file.
     is_outdated: bool,
+    in_turn: in_turn::InTurn,
 }
 
 impl Editor {
@@ -138,6 +141,7 @@ impl Editor {
             loading: None,
             title: String::new(),
             is_outdated: false,
+            in_turn: in_turn::InTurn::default(),
         };
         editor.arrived(ctx);
         Ok(editor)
@@ -211,7 +215,9 @@ impl Editor {
         let (state, playing) = (self.state(), self.playing());
         let bar = theme::bar(ui.style());
         let top = Panel::top("menus").exact_size(26.0).frame(bar).show_separator_line(false);
-        top.show(ui, |ui| menu::show(ui, &state, &self.bindings, &mut self.asks));
+        let mut asks = std::mem::take(&mut self.asks);
+        top.show(ui, |ui| menu::show(ui, &state, &self.bindings, &|command| self.is_on(command), &mut asks));
+        self.asks = asks;
         let tools = Panel::top("toolbar").exact_size(32.0).frame(bar).show_separator_line(false);
         let light =
             Light { badge: self.baking.badge(&self.session.document), progress: self.baking.progress() };
@@ -296,17 +302,32 @@ impl Editor {
                 Ask::Run(command) => self.run(command, ui),
                 Ask::Files(wish) => self.wish(wish, ui),
                 Ask::Frame(ids) => self.frame(&ids),
+                Ask::Fit(ids) => self.fit(&ids),
+                Ask::Close(pane) => layout::close(&mut self.layout, pane),
             }
         }
     }
 
     pub(crate) fn frame(&mut self, ids: &[EntityId]) {
+        if let Some((low, high)) = self.extent(ids) {
+            self.scene.camera.frame(low, high);
+        }
+    }
+
+    /// What came is seen, even where all of it could not be.
+    fn fit(&mut self, ids: &[EntityId]) {
+        let seen = self.scene.camera.height_at_pivot();
+        if self.extent(ids).is_some_and(|(low, high)| (high - low).max_element() > seen) {
+            self.frame(ids);
+        }
+    }
+
+    /// Of these and what they carry.
+    fn extent(&self, ids: &[EntityId]) -> Option<(glam::DVec3, glam::DVec3)> {
         let indexed = self.session.document.indexed();
         let below: std::collections::HashSet<EntityId> =
             ids.iter().flat_map(|id| indexed.subtree(*id)).collect();
-        if let Some((low, high)) = self.scenery().extent(|entity| below.contains(&entity.id)) {
-            self.scene.camera.frame(low, high);
-        }
+        self.scenery().extent(|entity| below.contains(&entity.id))
     }
 
     pub(crate) fn run_play(&mut self, command: Command) {

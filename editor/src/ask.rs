@@ -6,6 +6,7 @@ use engine::scene::EntityId;
 use crate::assets::Wish;
 use crate::command::Command;
 use crate::intents::Intent;
+use crate::layout::Pane;
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ask {
@@ -15,11 +16,21 @@ pub enum Ask {
     Files(Wish),
     /// The scene view goes there.
     Frame(Vec<EntityId>),
+    /// The same where they are larger than the picture.
+    Fit(Vec<EntityId>),
+    /// The panel, until it is shown again.
+    Close(Pane),
 }
 
 impl From<Intent> for Ask {
     fn from(intent: Intent) -> Self {
         Self::Intent(intent)
+    }
+}
+
+impl From<Pane> for Ask {
+    fn from(pane: Pane) -> Self {
+        Self::Close(pane)
     }
 }
 

@@ -97,6 +97,16 @@ pub fn is_open(layout: &Layout, pane: Pane) -> bool {
     layout.tiles.find_pane(&pane).is_some()
 }
 
+/// Open, and not behind another tab.
+pub fn is_in_front(layout: &Layout, pane: Pane) -> bool {
+    layout.tiles.find_pane(&pane).is_some_and(|tile| layout.active_tiles().contains(&tile))
+}
+
+/// The pictures of the scene stay: everything else is about them.
+pub fn can_close(pane: Pane) -> bool {
+    pane != Pane::Scene
+}
+
 pub fn close(layout: &mut Layout, pane: Pane) {
     if let Some(tile) = layout.tiles.find_pane(&pane) {
         layout.remove_recursively(tile);
@@ -154,7 +164,7 @@ impl egui_tiles::Behavior<Pane> for Docks<'_> {
         let Some(Tile::Pane(pane)) = tiles.get(tile) else { return button };
         let pane = *pane;
         button.widget_info(|| WidgetInfo::labeled(Role::Tab, true, format!("{} panel", pane.name())));
-        let is_closed = pane != Pane::Scene
+        let is_closed = can_close(pane)
             && Popup::context_menu(&button)
                 .show(|ui| ui.button(format!("Close {}", pane.name().to_lowercase())).clicked())
                 .is_some_and(|shown| shown.inner);

@@ -25,7 +25,8 @@ fn pedestal(window: &mut Window) -> (EntityId, DVec3) {
     window.press(Modifiers::SHIFT, Key::H);
     window.press(Modifiers::NONE, Key::F);
     window.press(Modifiers::NONE, Key::Num7);
-    let top = window.entity(id).transform.translation + DVec3::Y * 0.5;
+    let transform = window.entity(id).transform;
+    let top = transform.translation + DVec3::Y * 0.5 * transform.scale.y;
     (id, top)
 }
 
