@@ -84,6 +84,10 @@ pub struct Editor {
     /// Another program wrote the scene's file.
     is_outdated: bool,
     in_turn: in_turn::InTurn,
+    /// As the user left it, or for the window as wide as it came.
+    is_laid_out: bool,
+    /// Points, of all panels; 0 before the first picture.
+    width: f32,
 }
 
 impl Editor {
@@ -102,8 +106,7 @@ impl Editor {
         log.warnings(broken.as_slice(), opened.document.scene());
         let (bindings, odd) = Bindings::from_preferences(&preferences.shortcuts);
         odd.into_iter().for_each(|odd| log.warning(Source::Nothing, odd));
-        let layout =
-            preferences.layout.as_deref().and_then(layout::read).unwrap_or_else(layout::default_layout);
+        let layout = preferences.layout.as_deref().and_then(layout::read);
         let Opened { document, assets, shown, baked, cubemaps, settings, features, warnings } = opened;
         log.warnings(&warnings, document.scene());
         let mut stage = Stage::new(state, shown.clone(), &assets, (settings, features))?;
@@ -119,7 +122,9 @@ impl Editor {
             play: None,
             state: state.clone(),
             stage,
-            layout,
+            is_laid_out: layout.is_some(),
+            width: 0.0,
+            layout: layout.unwrap_or_else(|| layout::default_layout(1280.0)),
             scene: SceneView::default(),
             game: GameView::default(),
             hierarchy: Hierarchy::default(),
@@ -233,6 +238,12 @@ impl Editor {
     }
 
     fn docks(&mut self, ui: &mut Ui) {
+        let was = std::mem::replace(&mut self.width, ui.available_width());
+        if !std::mem::replace(&mut self.is_laid_out, true) {
+            self.layout = layout::default_layout(self.width);
+        } else if was > 0.0 && was != self.width {
+            layout::keep_sides(&mut self.layout, was, self.width);
+        }
         self.scene.lens = None;
         let mut layout = std::mem::replace(&mut self.layout, Layout::empty(egui::Id::unique("none")));
         let mut docks = Docks { show: &mut |ui, pane| self.pane(ui, pane), closed: None };

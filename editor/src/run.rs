@@ -316,7 +316,7 @@ impl Editor {
 
     fn window(&mut self, command: Command, ui: &Ui) {
         match command {
-            Command::ResetLayout => self.layout = layout::default_layout(),
+            Command::ResetLayout => self.layout = layout::default_layout(ui.ctx().content_rect().width()),
             Command::Palette => self.palette.toggle(),
             Command::ClearConsole => self.session.log.clear(),
             Command::CopyConsole => ui.ctx().copy_text(self.console.text()),

@@ -1,6 +1,6 @@
 //! Input that comes faster than pictures. Whoever types `0.9`, Tab, `2` within one picture of a heavy scene means two
-//! fields; but the keyboard moves on once for a picture, before any field reads what was typed. So what comes before and
-//! after such a step is given to pictures of its own.
+//! fields; but the keyboard moves on once for a picture, before any field reads what was typed. And a handle that is pressed,
+//! pulled and let go within one picture would only be clicked. So what such steps part is given to pictures of its own.
 
 use eframe::egui::{Context, Event, Key, RawInput};
 
@@ -25,24 +25,53 @@ impl InTurn {
 
 /// How many of them belong to one picture.
 fn end_of_turn(events: &[Event]) -> usize {
-    let (mut is_typed, mut has_moved) = (false, false);
+    let mut before = Before::default();
     for (at, event) in events.iter().enumerate() {
-        let ends = moves_keyboard(event) && is_typed || is_key(event) && has_moved;
-        if ends {
+        if before.ends_at(event) {
             return at;
         }
-        is_typed |= is_key(event);
-        has_moved |= moves_keyboard(event);
+        before.note(event);
     }
     events.len()
 }
 
-/// To another field: Tab, and a click that ends.
-fn moves_keyboard(event: &Event) -> bool {
-    matches!(
-        event,
-        Event::Key { key: Key::Tab, pressed: true, .. } | Event::PointerButton { pressed: false, .. }
-    )
+/// What a picture takes already.
+#[derive(Default)]
+struct Before {
+    is_typed: bool,
+    /// The keyboard may have gone to another field.
+    has_left: bool,
+    is_pressed: bool,
+    /// Since it was pressed.
+    has_moved: bool,
+}
+
+impl Before {
+    fn note(&mut self, event: &Event) {
+        self.is_typed |= is_key(event);
+        self.has_left |= leaves_field(event);
+        self.is_pressed |= is_button(event, true);
+        self.has_moved |= matches!(event, Event::PointerMoved(_));
+        // A click stays whole: what lasts for several slow pictures would be none.
+        self.has_moved &= !is_button(event, true);
+    }
+
+    fn ends_at(&self, event: &Event) -> bool {
+        let is_typed_elsewhere = leaves_field(event) && self.is_typed || is_key(event) && self.has_left;
+        // What is grasped is what lies where the button went down, and it is pulled before it is let go.
+        let is_pull = self.is_pressed && matches!(event, Event::PointerMoved(_));
+        let is_end_of_pull = is_button(event, false) && self.has_moved;
+        is_typed_elsewhere || is_pull || is_end_of_pull
+    }
+}
+
+/// Tab, and a click that ends.
+fn leaves_field(event: &Event) -> bool {
+    matches!(event, Event::Key { key: Key::Tab, pressed: true, .. }) || is_button(event, false)
+}
+
+fn is_button(event: &Event, down: bool) -> bool {
+    matches!(event, Event::PointerButton { pressed, .. } if *pressed == down)
 }
 
 fn is_key(event: &Event) -> bool {
@@ -67,9 +96,17 @@ mod tests {
         Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers: Modifiers::NONE }
     }
 
-    fn let_go() -> Event {
+    fn button(pressed: bool) -> Event {
         let (pos, button) = (pos2(1.0, 1.0), PointerButton::Primary);
-        Event::PointerButton { pos, button, pressed: false, modifiers: Modifiers::NONE }
+        Event::PointerButton { pos, button, pressed, modifiers: Modifiers::NONE }
+    }
+
+    fn press() -> Event {
+        button(true)
+    }
+
+    fn let_go() -> Event {
+        button(false)
     }
 
     /// Picture by picture.
@@ -92,6 +129,15 @@ mod tests {
         let wanted = [vec![text("0"), text("9")], vec![key(Key::Tab)], vec![text("2"), key(Key::Enter)]];
         assert_eq!(turns(typed), wanted);
         assert_eq!(turns(vec![let_go(), text("1")]), [vec![let_go()], vec![text("1")]]);
+    }
+
+    #[test]
+    fn a_pull_within_a_picture_is_grasped_pulled_and_let_go() {
+        let (from, to) = (Event::PointerMoved(pos2(1.0, 1.0)), Event::PointerMoved(pos2(9.0, 1.0)));
+        let events = vec![from.clone(), press(), to.clone(), to.clone(), let_go()];
+        assert_eq!(turns(events), [vec![from, press()], vec![to.clone(), to], vec![let_go()]]);
+        let click = vec![Event::PointerMoved(pos2(1.0, 1.0)), press(), let_go()];
+        assert_eq!(turns(click.clone()), [click]);
     }
 
     #[test]

@@ -131,7 +131,7 @@ fn save_and_open_again(window: &mut Window, project: &Path) -> String {
     assert_eq!(std::fs::read_to_string(file).unwrap(), saved);
     let again = open_project(project, None, SIZE).unwrap();
     assert_eq!(again.scene_text(), saved);
-    assert!(!again.told().contains("Error") && !again.told().contains("Warning"), "{}", again.told());
+    assert!(again.errors().is_empty(), "{:?}", again.errors());
     let extent = |window: &Window| window.editor().scenery().extent(|entity| entity.mesh.is_some());
     assert_eq!(extent(&again), extent(window));
     saved
