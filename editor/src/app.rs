@@ -328,7 +328,7 @@ impl Editor {
     /// What came is seen, even where all of it could not be.
     fn fit(&mut self, ids: &[EntityId]) {
         let seen = self.scene.camera.height_at_pivot();
-        if self.extent(ids).is_some_and(|(low, high)| (high - low).max_element() > seen) {
+        if self.extent(ids).is_some_and(|(low, high)| (high - low).length() > seen) {
             self.frame(ids);
         }
     }

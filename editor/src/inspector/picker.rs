@@ -3,7 +3,7 @@
 
 use eframe::egui;
 use egui::ecolor::{Hsva, HsvaGamma};
-use egui::{Color32, Mesh, Pos2, Rect, Response, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
+use egui::{Color32, Mesh, Pos2, Rect, Response, Rgba, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 use glam::Vec3;
 
 use super::fields::{Number, Touched};
@@ -13,6 +13,7 @@ const WIDTH: f32 = 220.0;
 
 /// A linear colour of any brightness. `name`: what screen readers say before each part.
 pub fn show(ui: &mut Ui, name: &str, color: Vec3) -> Touched<Vec3> {
+    ui.reset_style(); // fields in a menu have no edge
     // Above 1 it is brighter than a display: what is picked stays as bright.
     let most = color.max_element().max(1.0);
     let id = ui.scope_id().with(name);
@@ -164,7 +165,8 @@ fn read(text: &str) -> Option<Vec3> {
     let [0, r, g, b] = u32::from_str_radix(digits, 16).ok().filter(|_| is_code)?.to_be_bytes() else {
         return None;
     };
-    Some(Vec3::from(Hsva::from(Color32::from_rgb(r, g, b)).to_rgb()))
+    let linear = Rgba::from(Color32::from_rgb(r, g, b));
+    Some(Vec3::new(linear.r(), linear.g(), linear.b()))
 }
 
 #[cfg(test)]

@@ -153,6 +153,7 @@ fn cancelling_leaves_what_waits_undone() {
     window.settle();
     window.until("rest", |window| window.harness.query_by_label("Cancel the import").is_none());
     assert!(entities(&window) < before + 20);
+    assert_eq!(window.errors(), [""; 0], "what was wished for is no error");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use crate::models::{glb, two_triangles};
 use crate::window::{Window, cornell, open_project};
 use egui::{Key, Modifiers, Vec2};
 use egui_kittest::kittest::Queryable;
-use engine::scene::{EntityId, MaterialId};
+use engine::scene::{Entity, EntityId, MaterialId};
 use glam::{DVec3, Vec3};
 
 const SIZE: Vec2 = Vec2::new(1280.0, 720.0);
@@ -108,6 +108,14 @@ fn import_by_keyboard(window: &mut Window, folder: &Path) {
     let root = window.selected()[0];
     assert_eq!(window.entity(root).name, "two");
     assert_eq!(window.editor().session.document.children(Some(root)).len(), 2);
+    // It is larger than what the picture showed, and seen nevertheless.
+    window.settle();
+    let is_below = |entity: &Entity| entity.parent == Some(root);
+    let (low, high) = window.editor().scenery().extent(is_below).unwrap();
+    assert!(
+        window.scene_view().contains(window.seen_at(low))
+            && window.scene_view().contains(window.seen_at(high))
+    );
 }
 
 /// A GLB, dropped on the picture.

@@ -2,6 +2,7 @@
 
 use crate::window::{Window, open};
 use editor::edit::Edit;
+use editor::log::Source;
 use egui::accesskit::{Role, Toggled};
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -96,4 +97,16 @@ fn both_themes_and_other_sizes_draw_every_panel() {
         let rect = window.node(panel).rect();
         assert!(rect.width() > 20.0 && rect.height() > 10.0, "{panel} {rect}");
     }
+}
+
+#[test]
+fn a_line_of_the_console_leads_to_its_file() {
+    let Some(mut window) = open() else { return };
+    assert!(!window.editor().state().asset_selected);
+    let file = window.project().join("assets/cornell.obj");
+    window.editor().session.log.warning(Source::File(file), "this file looks odd");
+    window.press(Modifiers::COMMAND, Key::Num6);
+    let line = window.harness.query_all_by_label("this file looks odd").last().unwrap().rect().center();
+    window.click_at(line, Modifiers::NONE);
+    assert!(window.editor().state().asset_selected && window.is_shown("Search the assets"));
 }
