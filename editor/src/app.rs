@@ -2,7 +2,9 @@
 
 mod beside;
 mod bring;
+mod checks;
 mod drops;
+mod in_turn;
 mod leave;
 mod open;
 mod seek;
@@ -86,6 +88,11 @@ pub struct Editor {
     title: String,
     /// Another program wrote the scene's file.
     is_outdated: bool,
+    in_turn: in_turn::InTurn,
+    /// As the user left it, or for the window as wide as it came.
+    is_laid_out: bool,
+    /// Points, of all panels; 0 before the first picture.
+    width: f32,
 }
 
 impl Editor {
@@ -104,8 +111,7 @@ impl Editor {
         log.warnings(broken.as_slice(), opened.document.scene());
         let (bindings, odd) = Bindings::from_preferences(&preferences.shortcuts);
         odd.into_iter().for_each(|odd| log.warning(Source::Nothing, odd));
-        let layout =
-            preferences.layout.as_deref().and_then(layout::read).unwrap_or_else(layout::default_layout);
+        let layout = preferences.layout.as_deref().and_then(layout::read);
         let Opened { document, assets, shown, baked, cubemaps, settings, features, warnings } = opened;
         log.warnings(&warnings, document.scene());
         let mut stage = Stage::new(state, shown.clone(), &assets, (settings, features))?;
@@ -120,7 +126,9 @@ impl Editor {
             placed: Placed::default(),
             play: None,
             stage,
-            layout,
+            is_laid_out: layout.is_some(),
+            width: 0.0,
+            layout: layout.unwrap_or_else(|| layout::default_layout(1280.0)),
             scene: SceneView::default(),
             game: GameView::default(),
             hierarchy: Hierarchy::default(),
@@ -145,6 +153,7 @@ impl Editor {
             closing: open::Closing::default(),
             title: String::new(),
             is_outdated: false,
+            in_turn: in_turn::InTurn::default(),
         };
         editor.arrived(ctx);
         Ok(editor)
@@ -220,7 +229,9 @@ impl Editor {
         let (state, playing) = (self.state(), self.playing());
         let bar = theme::bar(ui.style());
         let top = Panel::top("menus").exact_size(26.0).frame(bar).show_separator_line(false);
-        top.show(ui, |ui| menu::show(ui, &state, &self.bindings, &mut self.asks));
+        let mut asks = std::mem::take(&mut self.asks);
+        top.show(ui, |ui| menu::show(ui, &state, &self.bindings, &|command| self.is_on(command), &mut asks));
+        self.asks = asks;
         let tools = Panel::top("toolbar").exact_size(32.0).frame(bar).show_separator_line(false);
         let light =
             Light { badge: self.baking.badge(&self.session.document), progress: self.baking.progress() };
@@ -236,6 +247,12 @@ impl Editor {
     }
 
     fn docks(&mut self, ui: &mut Ui) {
+        let was = std::mem::replace(&mut self.width, ui.available_width());
+        if !std::mem::replace(&mut self.is_laid_out, true) {
+            self.layout = layout::default_layout(self.width);
+        } else if was > 0.0 && was != self.width {
+            layout::keep_sides(&mut self.layout, was, self.width);
+        }
         self.scene.lens = None;
         let mut layout = std::mem::replace(&mut self.layout, Layout::empty(egui::Id::unique("none")));
         let mut docks = Docks { show: &mut |ui, pane| self.pane(ui, pane), closed: None };
@@ -295,12 +312,25 @@ impl Editor {
     }
 
     pub(crate) fn frame(&mut self, ids: &[EntityId]) {
+        if let Some((low, high)) = self.extent(ids) {
+            self.scene.camera.frame(low, high);
+        }
+    }
+
+    /// What came is seen, even where all of it could not be.
+    pub(crate) fn fit(&mut self, ids: &[EntityId]) {
+        let seen = self.scene.camera.height_at_pivot();
+        if self.extent(ids).is_some_and(|(low, high)| (high - low).length() > seen) {
+            self.frame(ids);
+        }
+    }
+
+    /// Of these and what they carry.
+    fn extent(&self, ids: &[EntityId]) -> Option<(glam::DVec3, glam::DVec3)> {
         let indexed = self.session.document.indexed();
         let below: std::collections::HashSet<EntityId> =
             ids.iter().flat_map(|id| indexed.subtree(*id)).collect();
-        if let Some((low, high)) = self.scenery().extent(|entity| below.contains(&entity.id)) {
-            self.scene.camera.frame(low, high);
-        }
+        self.scenery().extent(|entity| below.contains(&entity.id))
     }
 
     pub(crate) fn run_play(&mut self, command: Command) {

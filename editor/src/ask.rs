@@ -6,6 +6,7 @@ use engine::scene::EntityId;
 use crate::assets::Wish;
 use crate::command::Command;
 use crate::intents::Intent;
+use crate::layout::Pane;
 use crate::panels::scene::pick::Pick;
 
 #[derive(Clone, Debug, PartialEq)]
@@ -16,6 +17,10 @@ pub enum Ask {
     Files(Wish),
     /// The scene view goes there.
     Frame(Vec<EntityId>),
+    /// The same where they are larger than the picture.
+    Fit(Vec<EntityId>),
+    /// The panel, until it is shown again.
+    Close(Pane),
     /// What the mouse met; what is asked after it is done when it is answered.
     Pick(Box<Pick>),
 }
@@ -23,6 +28,12 @@ pub enum Ask {
 impl From<Intent> for Ask {
     fn from(intent: Intent) -> Self {
         Self::Intent(intent)
+    }
+}
+
+impl From<Pane> for Ask {
+    fn from(pane: Pane) -> Self {
+        Self::Close(pane)
     }
 }
 

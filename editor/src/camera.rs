@@ -106,7 +106,7 @@ impl ViewCamera {
 
     /// What is at the pivot's depth stays under the mouse; `height` of the picture in points.
     pub fn pan(&mut self, points: DVec2, height: f64) {
-        let metres_per_point = 2.0 * self.distance * (FOV * 0.5).tan() / height.max(1.0);
+        let metres_per_point = self.height_at_pivot() / height.max(1.0);
         let way = DVec3::new(-points.x, points.y, 0.0) * metres_per_point;
         self.pivot += self.rotation() * way;
     }
@@ -141,6 +141,20 @@ impl ViewCamera {
         self.pitch = forward.y.clamp(-1.0, 1.0).asin();
     }
 
+    /// Metres that the picture shows there, from its foot to its head.
+    pub fn height_at_pivot(&self) -> f64 {
+        2.0 * self.distance * (FOV * 0.5).tan()
+    }
+
+    /// How large something new is that is to be seen whole: 1, or where the picture shows less than 4 m at the pivot no
+    /// more than a quarter of its height, as a round number.
+    pub fn size_of_new(&self) -> f64 {
+        let quarter = self.height_at_pivot() / 4.0;
+        let decades = -quarter.log10().floor();
+        let round = [5.0, 2.0, 1.0].map(|digit| digit / 10.0_f64.powf(decades));
+        round.into_iter().find(|size| *size <= quarter).unwrap_or(round[2]).min(1.0)
+    }
+
     /// The scene camera that sees the same picture.
     pub fn as_camera(&self) -> Camera {
         Camera { projection: Projection::Perspective { fov_y: FOV as f32 }, ..Camera::default() }
@@ -172,6 +186,13 @@ mod tests {
         }
         camera.orbit(DVec2::new(0.0, 1e6));
         assert!((camera.rotation() * DVec3::Y).y >= -1e-9);
+    }
+
+    #[test]
+    fn something_new_is_a_metre_large_and_smaller_where_a_metre_would_hide_everything() {
+        let size = |distance| ViewCamera { distance, ..ViewCamera::default() }.size_of_new();
+        assert_eq!((size(8.0), size(1e5)), (1.0, 1.0));
+        assert_eq!([2.5, 1.08, 0.2, 1e-3].map(size), [0.5, 0.2, 0.02, 0.0002]);
     }
 
     #[test]

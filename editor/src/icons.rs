@@ -38,6 +38,7 @@ pub enum Icon {
     Plus,
     Search,
     Close,
+    Check,
     More,
     Folder,
     File,
@@ -239,6 +240,7 @@ fn parts(icon: Icon) -> &'static [Part] {
         Icon::Plus => &[Open(&[(8.0, 3.0), (8.0, 13.0)]), Open(&[(3.0, 8.0), (13.0, 8.0)])],
         Icon::Search => &[Circle(6.8, 6.8, 4.2), Open(&[(9.9, 9.9), (13.6, 13.6)])],
         Icon::Close => &[Open(&[(4.0, 4.0), (12.0, 12.0)]), Open(&[(12.0, 4.0), (4.0, 12.0)])],
+        Icon::Check => &[Open(&[(3.5, 8.5), (6.5, 11.5), (12.5, 4.5)])],
         Icon::More => &[Disc(8.0, 3.5, 1.2), Disc(8.0, 8.0, 1.2), Disc(8.0, 12.5, 1.2)],
         Icon::Folder => {
             &[Closed(&[(1.8, 3.4), (6.2, 3.4), (7.8, 5.2), (14.2, 5.2), (14.2, 12.8), (1.8, 12.8)])]

@@ -32,6 +32,8 @@ pub enum Intent {
     Create {
         primitive: Primitive,
         place: DVec3,
+        /// 1: as a rule.
+        size: f64,
         parent: Option<EntityId>,
     },
     /// With the usual values.
@@ -104,11 +106,13 @@ impl Session {
                 self.told(ended);
             }
             Intent::Cancel => self.document.cancel(),
-            Intent::Undo => self.travel(Document::undo),
-            Intent::Redo => self.travel(Document::redo),
+            Intent::Undo => self.travel("Undone", Document::undo),
+            Intent::Redo => self.travel("Done again", Document::redo),
             Intent::Select(ids) => self.selection.set(ids),
             Intent::Click { id, how, shown } => self.selection.click(id, how, &shown),
-            Intent::Create { primitive, place, parent } => self.create(primitive, place, parent),
+            Intent::Create { primitive, place, size, parent } => {
+                self.create(primitive, (place, size), parent);
+            }
             Intent::CreateMaterial => self.create_material(),
             Intent::Rename { id, name } => drop(self.commit(Edit::set(id, Field::Name(name)))),
             Intent::Delete => self.delete(),
@@ -157,9 +161,9 @@ impl Session {
         self.log.warnings(warnings, self.document.scene());
     }
 
-    fn travel(&mut self, go: fn(&mut Document) -> Option<String>) {
+    fn travel(&mut self, done: &str, go: fn(&mut Document) -> Option<String>) {
         if let Some(name) = go(&mut self.document) {
-            self.log.info(name);
+            self.log.info(format!("{done}: {name}"));
         }
     }
 
@@ -169,8 +173,8 @@ impl Session {
         ids.filter(|id| !self.document.is_locked(*id))
     }
 
-    fn create(&mut self, primitive: Primitive, place: DVec3, parent: Option<EntityId>) {
-        let (edit, id) = primitives::create(&mut self.document, primitive, place, parent);
+    fn create(&mut self, primitive: Primitive, stand: (DVec3, f64), parent: Option<EntityId>) {
+        let (edit, id) = primitives::create(&mut self.document, primitive, stand, parent);
         if self.commit(edit) && id.is_some() {
             self.selection.set(id);
         }

@@ -50,8 +50,11 @@ pub type Layout = Tree<Pane>;
 /// They share the room under the pictures.
 const BELOW: [Pane; 3] = [Pane::Assets, Pane::Console, Pane::Statistics];
 
-/// Hierarchy left, inspector right, the pictures between them above console and statistics.
-pub fn default_layout() -> Layout {
+/// Hierarchy left, inspector right, the pictures between them above console and statistics. In a window of this width in
+/// points: rows of names and numbers need no more than theirs, and a wide window is the picture's.
+pub fn default_layout(width: f32) -> Layout {
+    let [left_share, right_share] =
+        [(0.17, 300.0), (0.255, 400.0)].map(|(share, most)| f32::min(share, most / width.max(1.0)));
     let mut tiles = Tiles::default();
     let mut tabs = |panes: &[Pane]| {
         let panes = panes.iter().map(|pane| tiles.insert_pane(*pane)).collect();
@@ -62,7 +65,11 @@ pub fn default_layout() -> Layout {
     let below = tabs(&BELOW);
     let right = tabs(&[Pane::Inspector]);
     let middle = split(&mut tiles, LinearDir::Vertical, &[(pictures, 0.77), (below, 0.23)]);
-    let root = split(&mut tiles, LinearDir::Horizontal, &[(left, 0.17), (middle, 0.575), (right, 0.255)]);
+    let root = split(
+        &mut tiles,
+        LinearDir::Horizontal,
+        &[(left, left_share), (middle, 1.0 - left_share - right_share), (right, right_share)],
+    );
     Tree::new(egui::Id::unique("layout"), root, tiles)
 }
 
@@ -70,6 +77,31 @@ fn split(tiles: &mut Tiles<Pane>, dir: LinearDir, children: &[(TileId, f32)]) ->
     let mut linear = Linear::new(dir, children.iter().map(|(id, _)| *id).collect());
     children.iter().for_each(|(id, share)| linear.shares.set_share(*id, *share));
     tiles.insert_container(Container::Linear(linear))
+}
+
+/// After the window became `is` points wide that was `was`: what stands beside the pictures is as wide as before, and they
+/// take what is new. Where that would leave too little of them, all shrink alike.
+pub fn keep_sides(layout: &mut Layout, was: f32, is: f32) {
+    const LEAST: f32 = 0.4;
+    let tiles = &layout.tiles;
+    let mut middle = tiles.find_pane(&Pane::Scene);
+    while middle.is_some() && middle.and_then(|tile| tiles.parent_of(tile)) != layout.root {
+        middle = middle.and_then(|tile| tiles.parent_of(tile));
+    }
+    let (Some(middle), Some(root)) = (middle, layout.root) else { return };
+    let Some(Tile::Container(Container::Linear(linear))) = layout.tiles.get_mut(root) else { return };
+    if linear.dir != LinearDir::Horizontal {
+        return;
+    }
+    let all: f32 = linear.children.iter().map(|child| linear.shares[*child]).sum();
+    let sides: Vec<TileId> = linear.children.iter().copied().filter(|child| *child != middle).collect();
+    let kept = |side: &TileId| linear.shares[*side] * was / is;
+    let shares: Vec<f32> = sides.iter().map(kept).collect();
+    let rest = all - shares.iter().sum::<f32>();
+    if rest >= LEAST * all {
+        sides.iter().zip(shares).for_each(|(side, share)| linear.shares.set_share(*side, share));
+        linear.shares.set_share(middle, rest);
+    }
 }
 
 /// A tab beside the panel that it stands beside at first, or beside the scene.
@@ -95,6 +127,16 @@ pub fn reveal(layout: &mut Layout, pane: Pane) {
 
 pub fn is_open(layout: &Layout, pane: Pane) -> bool {
     layout.tiles.find_pane(&pane).is_some()
+}
+
+/// Open, and not behind another tab.
+pub fn is_in_front(layout: &Layout, pane: Pane) -> bool {
+    layout.tiles.find_pane(&pane).is_some_and(|tile| layout.active_tiles().contains(&tile))
+}
+
+/// The pictures of the scene stay: everything else is about them.
+pub fn can_close(pane: Pane) -> bool {
+    pane != Pane::Scene
 }
 
 pub fn close(layout: &mut Layout, pane: Pane) {
@@ -154,7 +196,7 @@ impl egui_tiles::Behavior<Pane> for Docks<'_> {
         let Some(Tile::Pane(pane)) = tiles.get(tile) else { return button };
         let pane = *pane;
         button.widget_info(|| WidgetInfo::labeled(Role::Tab, true, format!("{} panel", pane.name())));
-        let is_closed = pane != Pane::Scene
+        let is_closed = can_close(pane)
             && Popup::context_menu(&button)
                 .show(|ui| ui.button(format!("Close {}", pane.name().to_lowercase())).clicked())
                 .is_some_and(|shown| shown.inner);
@@ -207,7 +249,7 @@ mod tests {
 
     #[test]
     fn every_panel_is_in_the_first_layout_and_comes_back_when_it_was_closed() {
-        let mut layout = default_layout();
+        let mut layout = default_layout(1280.0);
         for pane in Pane::ALL {
             assert!(is_open(&layout, pane), "{pane:?}");
             close(&mut layout, pane);
@@ -220,8 +262,26 @@ mod tests {
     }
 
     #[test]
+    fn the_pictures_take_what_a_window_grows_by() {
+        let mut layout = default_layout(1280.0);
+        let shares = |layout: &Layout| match layout.root.and_then(|root| layout.tiles.get(root)) {
+            Some(Tile::Container(Container::Linear(linear))) => {
+                linear.children.iter().map(|child| linear.shares[*child]).collect::<Vec<f32>>()
+            }
+            _ => Vec::new(),
+        };
+        let before = shares(&layout);
+        keep_sides(&mut layout, 1280.0, 2560.0);
+        let wide = shares(&layout);
+        assert!((wide[0] * 2560.0 - before[0] * 1280.0).abs() < 1e-2, "{before:?} {wide:?}");
+        assert!((wide.iter().sum::<f32>() - 1.0).abs() < 1e-5 && wide[1] > 0.75, "{wide:?}");
+        keep_sides(&mut layout, 2560.0, 600.0);
+        assert_eq!(shares(&layout), wide, "there is no room for that");
+    }
+
+    #[test]
     fn a_layout_is_read_as_it_was_written() {
-        let layout = default_layout();
+        let layout = default_layout(1280.0);
         let text = written(&layout).unwrap();
         assert!(read(&text) == Some(layout), "{text}");
         assert!(read("nonsense").is_none());
@@ -229,7 +289,7 @@ mod tests {
 
     #[test]
     fn a_panel_of_a_later_version_comes_and_one_that_was_closed_stays_closed() {
-        let mut layout = default_layout();
+        let mut layout = default_layout(1280.0);
         close(&mut layout, Pane::Console);
         close(&mut layout, Pane::Game);
         let text = written(&layout).unwrap();

@@ -125,11 +125,11 @@ pub fn plaster(id: MaterialId) -> Material {
 }
 
 /// What creating it does, and the entity to select. It stands at `place` (of the world), under `parent`, static
-/// where it is a shape: what moves is the exception.
+/// where it is a shape: what moves is the exception. `size`: how large it is, where 1 is as a rule.
 pub fn create(
     document: &mut Document,
     primitive: Primitive,
-    place: DVec3,
+    (place, size): (DVec3, f64),
     parent: Option<EntityId>,
 ) -> (Edit, Option<EntityId>) {
     let name = format!("Create {}", primitive.name().to_lowercase());
@@ -147,12 +147,31 @@ pub fn create(
         entity.mesh = Some(renderer(shape, material));
         entity.is_static = !is_carried(document, parent);
     }
+    resize(&mut entity, size);
     entity.name = copies::Names::beside(document.indexed()).free(parent, &entity.name);
     let id = entity.id;
     let at = parent
         .map_or(document.scene().entities.len(), |parent| tree::end_of_subtree(document.indexed(), parent));
     edits.push(Edit::Insert(vec![(at, entity)]));
     (Edit::several(name, edits), Some(id))
+}
+
+/// A shape and a probe's box are so large; a lamp makes what stands in the same proportion to it as bright as ever:
+/// E = I / r^2.
+fn resize(entity: &mut Entity, size: f64) {
+    if entity.mesh.is_some() {
+        entity.transform.scale *= size;
+    }
+    if let Some(light) = entity.light.as_mut().filter(|light| light.kind != LightKind::Sun) {
+        light.intensity *= (size * size) as f32;
+    }
+    if let Some(group) = &mut entity.light_probes {
+        group.positions.iter_mut().for_each(|position| *position *= size as f32);
+    }
+    if let Some(probe) = &mut entity.reflection_probe {
+        probe.half_size *= size as f32;
+        probe.blend_distance *= size as f32;
+    }
 }
 
 pub fn cube(material: MaterialId) -> MeshRenderer {

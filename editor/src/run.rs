@@ -39,7 +39,7 @@ fn primitive(command: Command) -> Option<Primitive> {
     })
 }
 
-fn view(command: Command) -> Option<View> {
+pub(crate) fn view(command: Command) -> Option<View> {
     Some(match command {
         Command::DrawComposite => View::Composite,
         Command::DrawDirect => View::Direct,
@@ -53,7 +53,7 @@ fn view(command: Command) -> Option<View> {
     })
 }
 
-fn pane(command: Command) -> Option<Pane> {
+pub(crate) fn pane(command: Command) -> Option<Pane> {
     Some(match command {
         Command::ShowHierarchy => Pane::Hierarchy,
         Command::ShowScene => Pane::Scene,
@@ -142,7 +142,7 @@ impl Editor {
             layout::reveal(&mut self.layout, Pane::Assets);
         }
         match command {
-            Command::Import => self.wish(Wish::Browse, ui),
+            Command::Import => self.wish(Wish::AskForImport, ui),
             Command::Reimport => {
                 let file = self.files.selected().unwrap_or_default().to_owned();
                 self.wish(Wish::Again { file, settings: None }, ui);
@@ -180,7 +180,8 @@ impl Editor {
         if let Some(primitive) = primitive(command) {
             // In the middle of the picture, on whole centimetres.
             let place = self.scene.camera.pivot.to_array().map(|metres| (metres * 100.0).round() / 100.0);
-            return Some(Intent::Create { primitive, place: DVec3::from(place), parent: None });
+            let size = self.scene.camera.size_of_new();
+            return Some(Intent::Create { primitive, place: DVec3::from(place), size, parent: None });
         }
         let document = &self.session.document;
         let ids = self.session.selection.ids().to_vec();
@@ -315,7 +316,7 @@ impl Editor {
 
     fn window(&mut self, command: Command, ui: &Ui) {
         match command {
-            Command::ResetLayout => self.layout = layout::default_layout(),
+            Command::ResetLayout => self.layout = layout::default_layout(ui.ctx().content_rect().width()),
             Command::Palette => self.palette.toggle(),
             Command::ClearConsole => self.session.log.clear(),
             Command::CopyConsole => ui.ctx().copy_text(self.console.text()),

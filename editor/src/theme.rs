@@ -154,6 +154,12 @@ fn palette(visuals: &Visuals) -> &'static Palette {
     if visuals.dark_mode { &DARK } else { &LIGHT }
 }
 
+/// A dialog over everything, with room around what it says.
+pub fn dialog(ui: &Ui, name: &str) -> egui::Modal {
+    let frame = egui::Frame::popup(ui.style()).inner_margin(Margin::symmetric(16, 14));
+    egui::Modal::new(egui::Id::unique(name)).frame(frame)
+}
+
 /// Behind menus, toolbar, tabs and status.
 pub fn bars(visuals: &Visuals) -> Color32 {
     palette(visuals).bars

@@ -28,7 +28,12 @@ fn moved(x: f64) -> Edit {
 fn a_person_creates_moves_parents_duplicates_and_takes_all_of_it_back() {
     let (_folder, mut session) = session();
     let before = session.document.scene().clone();
-    session.carry_out([Intent::Create { primitive: Primitive::Cube, place: DVec3::X, parent: None }]);
+    session.carry_out([Intent::Create {
+        primitive: Primitive::Cube,
+        place: DVec3::X,
+        size: 1.0,
+        parent: None,
+    }]);
     let cube = session.selection.active().unwrap();
     session.carry_out([
         Intent::Begin("Move".to_owned()),

@@ -13,7 +13,8 @@ use engine::scene::{MeshSource, Scene, Warning, shape};
 
 use super::Editor;
 use crate::assets::{self, Place, Wish};
-use crate::importing::{Ended, Imports, Order, Ready, Record, Then, load, reimport};
+use crate::importing::{CANCELLED, Ended, Imports, Order, Ready, Record, Then, load, reimport};
+use crate::layout::{self, Pane};
 use crate::log::Source;
 use crate::watch::Changed;
 
@@ -33,7 +34,6 @@ pub(crate) struct Bring {
     moved: Vec<(String, String)>,
     /// Dropped by the desktop, which does not say where: the mouse does when it is seen again. With the pictures waited.
     pub(super) dropped: Option<(Vec<PathBuf>, u32)>,
-    pub(super) browsing: Option<Receiver<Vec<PathBuf>>>,
 }
 
 /// What was read, and the files that were asked for.
@@ -65,7 +65,8 @@ enum Done {
 
 impl Editor {
     pub(crate) fn wish(&mut self, wish: Wish, ui: &Ui) {
-        if self.play.is_some() && !matches!(wish, Wish::CancelImport) {
+        let goes_always = matches!(wish, Wish::CancelImport | Wish::Reveal { .. } | Wish::RevealMaterial(_));
+        if self.play.is_some() && !goes_always {
             return self.session.log.warning(Source::Nothing, "Stop playing first: files wait until then");
         }
         match wish {
@@ -95,8 +96,16 @@ impl Editor {
                 self.on_disk(ui.ctx(), move |project| Done::Folder(assets::new_folder(project, &below)));
             }
             Wish::AskForRelink { from } => self.files.ask_for_relink(&from),
-            Wish::Browse => self.browse(ui.ctx()),
+            Wish::AskForImport => self.files.ask_for_import(),
             Wish::CancelImport => self.bring.imports.cancel(),
+            Wish::Reveal { file } => {
+                layout::reveal(&mut self.layout, Pane::Assets);
+                self.files.reveal(self.session.document.project(), &file);
+            }
+            Wish::RevealMaterial(material) => {
+                layout::reveal(&mut self.layout, Pane::Assets);
+                self.files.reveal_material(material);
+            }
             Wish::Refuse { file, why } => self.session.log.error(Source::File(file.into()), why),
         }
         ui.ctx().request_repaint();
@@ -113,7 +122,6 @@ impl Editor {
     /// With every picture. Waits for nothing.
     pub(super) fn take_files(&mut self, ui: &Ui) {
         self.take_dropped(ui);
-        self.take_browsed();
         if let Some(ended) = self.bring.imports.poll() {
             self.take_import(ended, ui);
         }
@@ -127,7 +135,7 @@ impl Editor {
         done.into_iter().for_each(|done| self.take_done(done, ui.ctx()));
         self.complete(ui.ctx());
         let waits = !self.bring.imports.is_idle() || !self.bring.work.is_empty() || self.files.is_listing();
-        if waits || self.bring.loading.is_some() || self.bring.browsing.is_some() {
+        if waits || self.bring.loading.is_some() {
             ui.ctx().request_repaint_after(std::time::Duration::from_millis(30));
         }
     }
@@ -137,6 +145,10 @@ impl Editor {
         let log = self.session.log.clone();
         let ready = match result {
             Ok(ready) => ready,
+            // The user wished so: it is no error.
+            Err(error) if error == CANCELLED => {
+                return log.info(format!("The import of {name} was cancelled: nothing of it stays"));
+            }
             Err(error) => return log.error(Source::File(name.into()), error),
         };
         log.warnings(&ready.warnings, &ready.scene);
@@ -162,7 +174,9 @@ impl Editor {
             self.record(record, ui.ctx());
             self.carry_out(crate::intents::Intent::Select(vec![root]), ui);
             let count = ready.scene.entities.len();
-            self.session.log.info(format!("Imported {}: {count} objects", ready.file));
+            let objects = if count == 1 { "object" } else { "objects" };
+            self.session.log.info(format!("Imported {}: {count} {objects}", ready.file));
+            self.asks.push(crate::ask::Ask::Fit(vec![root]));
         }
     }
 

@@ -13,6 +13,7 @@ use engine::scene::EntityId;
 use super::Editor;
 use crate::ask::Ask;
 use crate::intents::Intent;
+use crate::layout;
 use crate::log::Source;
 use crate::panels::scene::pick::{Pick, What, joined};
 use crate::scenery::Scenery;
@@ -54,6 +55,8 @@ impl Editor {
                 Ask::Run(command) => self.run(command, ui),
                 Ask::Files(wish) => self.wish(wish, ui),
                 Ask::Frame(ids) => self.frame(&ids),
+                Ask::Fit(ids) => self.fit(&ids),
+                Ask::Close(pane) => layout::close(&mut self.layout, pane),
                 Ask::Pick(pick) => {
                     let through = self.scene.choosing.through(&pick);
                     self.go_through(*pick, through, ui);

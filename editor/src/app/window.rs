@@ -18,6 +18,10 @@ impl eframe::App for Editor {
         Editor::ui(self, ui);
     }
 
+    fn raw_input_hook(&mut self, ctx: &egui::Context, input: &mut egui::RawInput) {
+        self.in_turn.sort(ctx, input);
+    }
+
     fn on_exit(&mut self) {
         self.keep_preferences();
     }

@@ -61,9 +61,14 @@ pub enum Wish {
     NewFolder {
         below: String,
     },
-    /// The desktop's dialog asks which files.
-    Browse,
+    /// The assets panel asks which files, and how they are to be read.
+    AskForImport,
     CancelImport,
+    /// The assets panel shows and selects it.
+    Reveal {
+        file: PathBuf,
+    },
+    RevealMaterial(MaterialId),
     /// It is told in the console.
     Refuse {
         file: String,

@@ -17,6 +17,13 @@ const NAMES: [&str; 83] = [
     "F15", "F16", "Menu",
 ];
 
+#[rustfmt::skip]
+const SIGNS: [(&str, &str); 15] = [
+    ("Comma", ","), ("Period", "."), ("Plus", "+"), ("Minus", "-"), ("Equals", "="), ("Slash", "/"), ("Backslash", "\\"),
+    ("Semicolon", ";"), ("Quote", "'"), ("Backtick", "`"), ("OpenBracket", "["), ("CloseBracket", "]"), ("Colon", ":"),
+    ("Pipe", "|"), ("Questionmark", "?"),
+];
+
 impl Key {
     /// In any case of letters.
     pub fn named(name: &str) -> Option<Self> {
@@ -25,6 +32,11 @@ impl Key {
 
     pub fn name(self) -> &'static str {
         self.0
+    }
+
+    /// What is printed on it.
+    pub fn shown(self) -> &'static str {
+        SIGNS.iter().find(|(name, _)| *name == self.0).map_or(self.0, |(_, sign)| sign)
     }
 }
 
@@ -60,12 +72,22 @@ impl FromStr for Shortcut {
     }
 }
 
+impl Shortcut {
+    /// As menus show it.
+    pub fn shown(&self) -> String {
+        format!("{}{}", self.held(), self.key.shown())
+    }
+
+    fn held(&self) -> String {
+        let held = [(self.ctrl, "Ctrl+"), (self.shift, "Shift+"), (self.alt, "Alt+")];
+        held.into_iter().filter(|(held, _)| *held).map(|(_, name)| name).collect()
+    }
+}
+
+/// As files and the user write it: [`FromStr`] reads it.
 impl fmt::Display for Shortcut {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (held, name) in [(self.ctrl, "Ctrl+"), (self.shift, "Shift+"), (self.alt, "Alt+")] {
-            f.write_str(if held { name } else { "" })?;
-        }
-        f.write_str(self.key.name())
+        write!(f, "{}{}", self.held(), self.key.name())
     }
 }
 
@@ -85,6 +107,11 @@ mod tests {
             assert_eq!(shortcut.to_string(), written);
             assert_eq!(written.parse(), Ok(shortcut));
         }
+        let shown = |text: &str| text.parse::<Shortcut>().unwrap().shown();
+        assert_eq!(
+            (shown("Ctrl+OpenBracket"), shown("Shift+F5")),
+            ("Ctrl+[".to_owned(), "Shift+F5".to_owned())
+        );
         for broken in ["", "Ctrl+", "Ctrl", "Hyper+S", "Ctrl+Ctrl+S", "S+Ctrl", "Ctrl+SS"] {
             assert!(broken.parse::<Shortcut>().is_err(), "{broken}");
         }

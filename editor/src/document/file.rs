@@ -292,7 +292,9 @@ fn disk(error: SceneError) -> SaveError {
         ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
             "make the folder writable, or save in another project"
         }
-        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => "make room on the disk and save again",
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
+            "make room on the disk and save again"
+        }
         ErrorKind::NotADirectory | ErrorKind::AlreadyExists => {
             "a file stands where a folder has to be: move it away and save again"
         }

@@ -236,7 +236,7 @@ fn everything_in_the_create_menu_makes_a_scene_that_a_file_can_hold() {
     let mut document = document();
     let before = document.scene().clone();
     for primitive in Primitive::ALL {
-        let (edit, id) = primitives::create(&mut document, primitive, DVec3::Y, Some(ROOT));
+        let (edit, id) = primitives::create(&mut document, primitive, (DVec3::Y, 1.0), Some(ROOT));
         document.commit(edit).unwrap();
         if let Some(id) = id {
             let place = document.world_from_local(id).translation;

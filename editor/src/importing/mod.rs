@@ -53,6 +53,9 @@ impl Stage {
     }
 }
 
+/// What is told of an import that was to go no farther.
+pub const CANCELLED: &str = "the import was cancelled";
+
 /// What is to be brought in, and how.
 #[derive(Clone, Default)]
 pub struct Order {
@@ -85,11 +88,7 @@ impl Shared {
     /// Refused when it was cancelled meanwhile.
     fn enter(&self, stage: Stage) -> Result<(), String> {
         self.stage.store(stage as u8, Ordering::Relaxed);
-        if self.cancelled.load(Ordering::Relaxed) {
-            Err("the import was cancelled".to_owned())
-        } else {
-            Ok(())
-        }
+        if self.cancelled.load(Ordering::Relaxed) { Err(CANCELLED.to_owned()) } else { Ok(()) }
     }
 }
 

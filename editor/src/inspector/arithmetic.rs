@@ -10,6 +10,10 @@ pub enum Unit {
     Kelvin,
     Stops,
     Seconds,
+    /// Radiant intensity, W/sr.
+    Intensity,
+    /// Irradiance, W/m2.
+    Irradiance,
 }
 
 impl Unit {
@@ -21,6 +25,8 @@ impl Unit {
             Self::Kelvin => " K",
             Self::Stops => " EV",
             Self::Seconds => " s",
+            Self::Intensity => " W/sr",
+            Self::Irradiance => " W/m\u{b2}",
         }
     }
 
@@ -47,7 +53,13 @@ impl Unit {
 
 /// `None`: it is no number.
 pub fn number(text: &str, unit: Unit) -> Option<f64> {
-    let mut rest = Rest { text: text.trim(), unit, depth: 0 };
+    let text = text.trim();
+    let whole = match unit {
+        // With a stroke in it: no part of a sum.
+        Unit::Intensity | Unit::Irradiance => text.strip_suffix(unit.suffix().trim()).unwrap_or(text),
+        _ => text,
+    };
+    let mut rest = Rest { text: whole, unit, depth: 0 };
     let value = rest.sum()?;
     (rest.text.trim().is_empty() && value.is_finite()).then_some(value)
 }

@@ -6,6 +6,7 @@ use glam::Vec3;
 
 use super::arithmetic::Unit;
 use super::fields::{self, Number, Touched};
+use super::picker;
 use super::subject::Subject;
 use crate::theme;
 
@@ -64,21 +65,8 @@ fn patch(ui: &mut Ui, name: &str, color: Vec3, mixed: bool) -> Touched<Vec3> {
             Color32::from_gray(128),
         );
     }
-    let mut touched = Touched::default();
     let popup = egui::Popup::menu(&response).close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside);
-    popup.show(|ui| {
-        ui.spacing_mut().slider_width = 220.0;
-        let mut picked: egui::ecolor::Hsva = Rgba::from_rgb(shown.x, shown.y, shown.z).into();
-        let alpha = egui::color_picker::Alpha::Opaque;
-        if egui::color_picker::color_picker_hsva_2d(ui, &mut picked, alpha) {
-            let [r, g, b] = picked.to_rgb();
-            // Shown until the mouse is up: one step.
-            let dragging = ui.input(|input| input.pointer.any_down());
-            touched = Touched { value: Some(Vec3::new(r, g, b) * most), dragging, ended: false };
-        }
-        touched.ended = ui.input(|input| input.pointer.any_released());
-    });
-    touched
+    popup.show(|ui| picker::show(ui, name, color)).map_or(Touched::default(), |shown| shown.inner)
 }
 
 /// Sets a colour as bright as it was.

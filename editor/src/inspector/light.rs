@@ -108,7 +108,7 @@ fn strength(ui: &mut Ui, of: &mut Lights<'_>) {
         true => "Irradiance of what it shines on straight, W/m\u{b2}",
         false => "Radiant intensity, W/sr: at a metre it is the irradiance in W/m\u{b2}",
     };
-    let number = Number::positive(Unit::None);
+    let number = Number::positive(if is_sun { Unit::Irradiance } else { Unit::Intensity });
     of.number(
         ui,
         ("Intensity", tooltip),

@@ -12,6 +12,7 @@ mod light;
 mod material;
 mod mesh;
 mod motion;
+mod picker;
 mod probes;
 mod reflections;
 mod sky;

@@ -4,15 +4,16 @@
 mod dialogs;
 mod entry;
 mod menu;
+mod sources;
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{self, Receiver};
 use std::time::{Duration, Instant};
 
 use eframe::egui;
 use egui::{ScrollArea, Slider, TextEdit, Ui, vec2};
-use engine::scene::Material;
+use engine::scene::{Material, MaterialId};
 use glam::DVec3;
 
 use crate::ask::Asks;
@@ -22,7 +23,6 @@ use crate::icons::{self, Icon};
 use crate::theme;
 use crate::thumbnails::Thumbnails;
 use dialogs::Dialog;
-pub use dialogs::reads_models;
 
 /// Where all files lie.
 const ROOT: &str = "assets";
@@ -202,14 +202,31 @@ impl AssetList {
         self.dialog = Some(Dialog::relink(from));
     }
 
+    /// Its folder is shown and it is selected, where the project has it; `file` may lie anywhere, or be a bare name.
+    pub fn reveal(&mut self, project: &Path, file: &Path) {
+        let inside = file.strip_prefix(project).unwrap_or(file);
+        let parts: Vec<_> = inside.iter().map(|part| part.to_string_lossy()).collect();
+        let inside = parts.join("/");
+        let is_it = |asset: &&Asset| asset.file == inside || assets::name(&asset.file) == inside;
+        let Some(found) = self.assets.iter().find(is_it).map(|asset| asset.file.clone()) else { return };
+        self.folder = found.rsplit_once('/').map_or(ROOT, |(folder, _)| folder).to_owned();
+        (self.materials, self.selected) = (false, Some(found));
+        self.search.clear();
+    }
+
+    pub fn reveal_material(&mut self, material: MaterialId) {
+        (self.materials, self.selected) = (true, Some(menu::material_key(material)));
+        self.search.clear();
+    }
+
     /// The search field takes the keyboard.
     pub fn focus_search(&self, ui: &Ui) {
         ui.memory_mut(|memory| memory.request_focus(search_id()));
     }
 
-    /// How files from elsewhere are to be read.
-    pub fn ask_how(&mut self, sources: Vec<PathBuf>) {
-        self.dialog = Some(Dialog::import(sources));
+    /// Which files from elsewhere are to be read, and how.
+    pub fn ask_for_import(&mut self) {
+        self.dialog = Some(Dialog::import());
     }
 
     pub fn show_dialog(&mut self, ui: &Ui, document: &Document, asks: &mut Asks) {
@@ -336,7 +353,7 @@ impl AssetList {
         }
         let tooltip = "Brings models and pictures into the project (Ctrl+Shift+I)";
         if icons::button(ui, Icon::Plus, "Import files", tooltip, false).clicked() {
-            asks.push(Wish::Browse);
+            asks.push(Wish::AskForImport);
         }
         ui.spacing_mut().slider_width = 70.0;
         let slider = ui.add(Slider::new(&mut self.side, SIDES).show_value(false));

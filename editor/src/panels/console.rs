@@ -6,6 +6,7 @@ use eframe::egui;
 use egui::{Color32, Label, RichText, ScrollArea, Sense, TextEdit, Ui, vec2};
 
 use crate::ask::{Ask, Asks};
+use crate::assets::Wish;
 use crate::command::Command;
 use crate::icons::{self, Icon};
 use crate::intents::Intent;
@@ -116,16 +117,32 @@ fn row(ui: &mut Ui, line: &Line, asks: &mut Asks) {
         let times = if line.times > 1 { format!("  ({} times)", line.times) } else { String::new() };
         let text = Label::new(format!("{}{times}", line.text)).truncate().sense(Sense::click());
         let response = ui.add(text);
-        let leads = !matches!(line.source, Source::Nothing | Source::Material(_));
-        if leads {
+        if line.source != Source::Nothing {
             response.clone().on_hover_cursor(egui::CursorIcon::PointingHand);
         }
-        if let (true, Source::Entity(id)) = (response.clicked(), &line.source) {
+        if response.clicked() {
+            lead(&line.source, asks);
+        }
+        response.context_menu(|ui| {
+            if ui.button("Copy line").clicked() {
+                ui.ctx().copy_text(line.text.clone());
+            }
+        });
+        response.on_hover_text(&line.text);
+    });
+}
+
+/// To what a line is about.
+fn lead(source: &Source, asks: &mut Asks) {
+    match source {
+        Source::Nothing => {}
+        Source::Entity(id) => {
             asks.push(Intent::Select(vec![*id]));
             asks.push(Ask::Frame(vec![*id]));
         }
-        response.on_hover_text(&line.text);
-    });
+        Source::Material(id) => asks.push(Wish::RevealMaterial(*id)),
+        Source::File(file) => asks.push(Wish::Reveal { file: file.clone() }),
+    }
 }
 
 /// Hours, minutes and seconds, UTC.

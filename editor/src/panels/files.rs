@@ -5,13 +5,14 @@ use std::sync::mpsc::{self, Receiver};
 use std::time::Duration;
 
 use eframe::egui;
-use egui::{Button, Key, Modal, RichText, ScrollArea, TextEdit, Ui, vec2};
+use egui::{Button, Key, RichText, ScrollArea, TextEdit, Ui, vec2};
 use engine::scene::file::scene_names;
 
 use super::folder::Folder;
 use crate::command::Command;
 use crate::document::is_name;
 use crate::recent::Preferences;
+use crate::theme;
 
 /// What was chosen.
 #[derive(Clone, Debug, PartialEq)]
@@ -86,7 +87,7 @@ impl FileDialog {
     pub fn show(&mut self, ui: &Ui) -> Option<Chosen> {
         let asked = self.asked.as_mut()?;
         asked.take_found(ui);
-        let modal = Modal::new(egui::Id::unique("file dialog")).show(ui.ctx(), |ui| {
+        let modal = theme::dialog(ui, "file dialog").show(ui.ctx(), |ui| {
             ui.set_width(480.0);
             ui.label(RichText::new(asked.question.name()).heading());
             ui.add_space(8.0);

@@ -1,25 +1,32 @@
 //! The menus, made of the table of commands: what can be given now, with its shortcut.
 
 use eframe::egui;
-use egui::{Button, MenuBar, Ui};
+use egui::accesskit::{Role, Toggled};
+use egui::{Atom, Button, IntoAtoms, MenuBar, Ui, vec2};
 
 use crate::ask::Asks;
 use crate::command::{Bindings, Category, Command, ROWS, Row, State};
+use crate::icons::{self, Icon};
+use crate::{layout, run};
+
+/// Whether a command is switched on; `None`: it is no switch.
+type Checks<'a> = &'a dyn Fn(Command) -> Option<bool>;
 
 /// A menu and what of the table it shows, group by group.
-const MENUS: [(&str, &[Category]); 8] = [
+const MENUS: [(&str, &[Category]); 9] = [
     ("File", &[Category::File]),
     ("Edit", &[Category::Edit]),
     ("Create", &[Category::Create]),
     ("Object", &[Category::Hierarchy]),
     ("Assets", &[Category::Assets]),
-    ("View", &[Category::View, Category::Draw, Category::Tool]),
+    ("Tool", &[Category::Tool]),
+    ("View", &[Category::View, Category::Draw]),
     ("Play", &[Category::Play, Category::Light]),
     ("Window", &[Category::Window, Category::Console]),
 ];
 
 /// Commands before which a line is drawn.
-const GROUPS: [Command; 16] = [
+const GROUPS: [Command; 18] = [
     Command::NewScene,
     Command::Save,
     Command::Reload,
@@ -32,26 +39,37 @@ const GROUPS: [Command; 16] = [
     Command::CreateCamera,
     Command::CreateSky,
     Command::ToggleHidden,
+    Command::ToggleSpace,
+    Command::ToggleSnapping,
     Command::ViewFront,
     Command::ToggleGrid,
     Command::ShowHierarchy,
     Command::ResetLayout,
 ];
 
-pub fn show(ui: &mut Ui, state: &State, bindings: &Bindings, asks: &mut Asks) {
+pub fn show(ui: &mut Ui, state: &State, bindings: &Bindings, checks: Checks<'_>, asks: &mut Asks) {
     MenuBar::new().ui(ui, |ui| {
         ui.spacing_mut().button_padding = egui::vec2(8.0, 3.0);
         for (name, categories) in MENUS {
             ui.menu_button(name, |ui| {
                 ui.set_min_width(220.0);
-                entries(ui, categories, state, bindings, asks);
+                entries(ui, categories, state, bindings, checks, asks);
             });
         }
     });
 }
 
-fn entries(ui: &mut Ui, categories: &[Category], state: &State, bindings: &Bindings, asks: &mut Asks) {
+fn entries(
+    ui: &mut Ui,
+    categories: &[Category],
+    state: &State,
+    bindings: &Bindings,
+    checks: Checks<'_>,
+    asks: &mut Asks,
+) {
     let mut is_first = true;
+    let has_checks =
+        ROWS.iter().any(|row| categories.contains(&row.category) && checks(row.command).is_some());
     for (number, category) in categories.iter().enumerate() {
         let rows = ROWS.iter().filter(|row| row.category == *category);
         for (at, row) in rows.enumerate() {
@@ -60,24 +78,55 @@ fn entries(ui: &mut Ui, categories: &[Category], state: &State, bindings: &Bindi
                 ui.separator();
             }
             is_first = false;
-            entry(ui, row, state, bindings, asks);
+            let gutter = has_checks.then(|| checks(row.command));
+            entry(ui, row, gutter, (state, bindings), asks);
         }
     }
 }
 
-fn entry(ui: &mut Ui, row: &Row, state: &State, bindings: &Bindings, asks: &mut Asks) {
-    // Under `Create` the verb is said already.
-    let shown = row.name.strip_prefix("Create ").filter(|_| row.category == Category::Create);
-    let mut button = Button::new(shown.map_or(row.name.to_owned(), capital));
+/// `gutter`: there is room for a check mark, and what it says.
+fn entry(
+    ui: &mut Ui,
+    row: &Row,
+    gutter: Option<Option<bool>>,
+    (state, bindings): (&State, &Bindings),
+    asks: &mut Asks,
+) {
+    let mut button = Button::new(words(row, gutter));
     if let Some(shortcut) = bindings.shortcuts(row.command).first() {
-        button = button.shortcut_text(shortcut.to_string());
+        button = button.shortcut_text(shortcut.shown());
     }
     let response = ui.add_enabled(row.command.is_enabled(state), button);
-    response.ctx.accesskit_node_builder(response.id, |node| node.set_label(row.name));
+    let is_on = gutter.flatten();
+    response.ctx.accesskit_node_builder(response.id, |node| {
+        node.set_label(row.name);
+        if let Some(is_on) = is_on {
+            node.set_role(Role::MenuItemCheckBox);
+            node.set_toggled(Toggled::from(is_on));
+        }
+    });
     if response.clicked() {
-        asks.push(row.command);
+        // The check mark of a panel is taken away by a click, as others are.
+        match run::pane(row.command).filter(|pane| is_on == Some(true) && layout::can_close(*pane)) {
+            Some(pane) => asks.push(pane),
+            None => asks.push(row.command),
+        }
         ui.close();
     }
+}
+
+/// A check mark where it is switched on, and its name: under `Create`, and where a mark says `Show`, without the verb.
+fn words(row: &Row, gutter: Option<Option<bool>>) -> egui::Atoms<'static> {
+    let verb = if row.category == Category::Create { "Create " } else { "Show " };
+    let is_told = row.category == Category::Create || run::pane(row.command).is_some();
+    let name = row.name.strip_prefix(verb).filter(|_| is_told).map_or(row.name.to_owned(), capital);
+    let Some(is_on) = gutter else { return name.into_atoms() };
+    let mark = Atom::paint(vec2(14.0, 14.0), move |ui, place| {
+        if is_on == Some(true) {
+            icons::paint(ui.painter(), place.rect, Icon::Check, place.fallback_text_color);
+        }
+    });
+    (mark, name).into_atoms()
 }
 
 fn capital(name: &str) -> String {
@@ -100,9 +149,9 @@ pub fn context(ui: &mut Ui, state: &State, bindings: &Bindings, asks: &mut Asks)
             ui.separator();
         }
         for command in group {
-            entry(ui, command.row(), state, bindings, asks);
+            entry(ui, command.row(), None, (state, bindings), asks);
         }
     }
     ui.separator();
-    ui.menu_button("Create", |ui| entries(ui, &[Category::Create], state, bindings, asks));
+    ui.menu_button("Create", |ui| entries(ui, &[Category::Create], state, bindings, &|_| None, asks));
 }

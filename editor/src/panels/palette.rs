@@ -4,7 +4,7 @@ use eframe::egui;
 use egui::{Align2, Area, Button, Frame, Id, Key, Modifiers, Order, ScrollArea, TextEdit, Ui, vec2};
 
 use crate::ask::Asks;
-use crate::command::{Bindings, Row, State, search};
+use crate::command::{Bindings, Row, Shortcut, State, search};
 use crate::theme;
 
 #[derive(Default)]
@@ -91,7 +91,7 @@ impl Typed {
         ui.spacing_mut().item_spacing.y = 0.0;
         ScrollArea::vertical().max_height(320.0).auto_shrink([false, true]).show(ui, |ui| {
             for (at, row) in rows.iter().enumerate() {
-                let keys = bindings.shortcuts(row.command).first().map_or(String::new(), ToString::to_string);
+                let keys = bindings.shortcuts(row.command).first().map_or(String::new(), Shortcut::shown);
                 let category = row.category.name();
                 // `Create cube` says what it belongs to.
                 let name = match row.name.starts_with(category) {

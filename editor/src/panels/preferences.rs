@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use eframe::egui;
 use egui::{
-    Align, Button, ComboBox, Event, EventFilter, Grid, Key, Layout, Modal, RichText, ScrollArea, Slider,
-    TextEdit, Ui, vec2,
+    Align, Button, ComboBox, Event, EventFilter, Grid, Key, Layout, RichText, ScrollArea, Slider, TextEdit,
+    Ui, vec2,
 };
 
 use crate::command::{Bindings, Command, Conflict, ROWS, Row, Shortcut, search};
@@ -56,7 +56,7 @@ impl Settings {
         // Before any field sees the keys.
         let mut is_changed = shown.listen(ui, bindings);
         let is_listening = shown.listening.is_some();
-        let modal = Modal::new(egui::Id::unique("preferences")).show(ui.ctx(), |ui| {
+        let modal = theme::dialog(ui, "preferences").show(ui.ctx(), |ui| {
             ui.set_min_size(SIZE);
             ui.set_max_size(SIZE);
             let is_closed = shown.head(ui);
@@ -249,7 +249,7 @@ impl Shown {
 }
 
 fn told(shortcuts: &[Shortcut]) -> String {
-    let texts: Vec<String> = shortcuts.iter().map(Shortcut::to_string).collect();
+    let texts: Vec<String> = shortcuts.iter().map(Shortcut::shown).collect();
     if texts.is_empty() { "none".to_owned() } else { texts.join(", ") }
 }
 

@@ -188,7 +188,11 @@ impl SceneView {
         let outlined = match self.handling.tool {
             // Its outline would hide what is painted and placed.
             tool if tool.is_light() => Default::default(),
-            _ => seen.selection.ids().iter().copied().collect(),
+            // With all that it carries: a group has no surface of its own.
+            _ => {
+                let indexed = seen.document.indexed();
+                seen.selection.ids().iter().flat_map(|id| indexed.subtree(*id)).collect()
+            }
         };
         let displaced = seen.scenery.displaced.clone();
         let marks = Marks { lines, outlined, displaced, wireframe: self.wireframe };

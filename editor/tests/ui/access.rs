@@ -65,15 +65,19 @@ fn everything_that_can_be_pressed_has_a_name() {
         window.press(Modifiers::COMMAND, panel);
         check(&window, &format!("panel {panel:?}"));
     }
-    for menu in ["File", "Edit", "Create", "Object", "View", "Play", "Window"] {
+    for menu in ["File", "Edit", "Create", "Object", "Assets", "Tool", "View", "Play", "Window"] {
         window.harness.query_all_by_label(menu).next().unwrap().click();
         window.settle();
         check(&window, menu);
         window.press(Modifiers::NONE, Key::Escape);
     }
-    for (keys, key) in
-        [(Modifiers::COMMAND, Key::P), (Modifiers::NONE, Key::F1), (Modifiers::COMMAND, Key::O)]
-    {
+    let import = Modifiers::COMMAND | Modifiers::SHIFT;
+    for (keys, key) in [
+        (Modifiers::COMMAND, Key::P),
+        (Modifiers::NONE, Key::F1),
+        (Modifiers::COMMAND, Key::O),
+        (import, Key::I),
+    ] {
         window.press(keys, key);
         check(&window, &format!("{key:?}"));
         window.press(Modifiers::NONE, Key::Escape);

@@ -25,7 +25,8 @@ fn pedestal(window: &mut Window) -> (EntityId, DVec3) {
     window.press(Modifiers::SHIFT, Key::H);
     window.press(Modifiers::NONE, Key::F);
     window.press(Modifiers::NONE, Key::Num7);
-    let top = window.entity(id).transform.translation + DVec3::Y * 0.5;
+    let transform = window.entity(id).transform;
+    let top = transform.translation + DVec3::Y * 0.5 * transform.scale.y;
     (id, top)
 }
 
@@ -152,6 +153,7 @@ fn cancelling_leaves_what_waits_undone() {
     window.settle();
     window.until("rest", |window| window.harness.query_by_label("Cancel the import").is_none());
     assert!(entities(&window) < before + 20);
+    assert_eq!(window.errors(), [""; 0], "what was wished for is no error");
 }
 
 #[test]

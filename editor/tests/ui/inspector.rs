@@ -3,7 +3,9 @@
 use crate::window::{Window, open};
 use editor::edit::{Edit, Field};
 use editor::intents::Intent;
-use egui::Key;
+use egui::accesskit::Role;
+use egui::{Key, Modifiers};
+use egui_kittest::kittest::Queryable;
 use engine::scene::{EntityId, Material};
 use glam::{DVec3, Vec3};
 
@@ -69,4 +71,26 @@ fn a_component_is_added_and_removed() {
     assert!(window.entity(id).light.is_some());
     window.click("Remove the light");
     assert!(window.entity(id).light.is_none());
+}
+
+#[test]
+fn a_color_is_picked_by_its_code_and_made_brighter_than_a_display() {
+    let Some(mut window) = open() else { return };
+    let lamp = window.made(|window| window.choose("Create", "Create point light"));
+    let color = |window: &Window| window.entity(lamp).light.as_ref().unwrap().color;
+    let steps = window.steps();
+    window.harness.get_by_role_and_label(Role::ColorWell, "Color").click();
+    window.settle();
+    window.node("Color code").focus();
+    window.settle();
+    window.press(Modifiers::COMMAND, Key::A);
+    window.type_text("#00ff00");
+    window.press(Modifiers::NONE, Key::Enter);
+    assert_eq!((color(&window), window.steps()), (Vec3::Y, steps + 1));
+    window.enter("Color brightness", "2*2");
+    assert_eq!((color(&window), window.steps()), (Vec3::Y * 4.0, steps + 2));
+    // Pulled over the square to its corner of black: one step, and the hue is kept for the way back.
+    let square = window.node("Color saturation and value").rect();
+    window.drag(square.center(), square.left_bottom() + egui::vec2(1.0, -1.0));
+    assert!(color(&window).max_element() < 0.02 && window.steps() == steps + 3, "{}", color(&window));
 }

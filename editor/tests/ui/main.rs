@@ -4,6 +4,8 @@ mod access;
 mod assets;
 mod components;
 mod files;
+#[cfg(unix)]
+mod full_disk;
 mod inspector;
 mod keyboard;
 mod light;

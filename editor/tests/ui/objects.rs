@@ -62,7 +62,8 @@ fn a_click_selects_what_is_seen_there_and_one_beside_it_nothing() {
     let Some(mut window) = open() else { return };
     let id = cube(&mut window);
     window.press(Modifiers::NONE, Key::F);
-    let place = window.seen_at(window.stand().origin + DVec3::new(0.3, 0.3, 0.5));
+    let on_it = DVec3::new(0.3, 0.3, 0.5) * window.entity(id).transform.scale;
+    let place = window.seen_at(window.stand().origin + on_it);
     window.editor_mut().session.carry_out([Intent::Select(Vec::new())]);
     window.settle();
     window.harness.hover_at(place);

@@ -2,6 +2,8 @@
 
 use crate::window::{Window, open};
 use editor::edit::Edit;
+use editor::log::Source;
+use egui::accesskit::{Role, Toggled};
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT, Queryable};
 use engine::scene::{Entity, EntityId};
@@ -39,6 +41,52 @@ fn panels_come_and_go_by_menu_and_the_layout_is_reset() {
 }
 
 #[test]
+fn the_window_menu_marks_the_panels_that_are_seen_and_closes_and_shows_them() {
+    let Some(mut window) = open() else { return };
+    let is_marked = |window: &mut Window, entry: &str| {
+        window.click("Window");
+        let mark = window.node(entry).accesskit_node().toggled();
+        window.press(Modifiers::NONE, Key::Escape);
+        mark == Some(Toggled::True)
+    };
+    assert!(is_marked(&mut window, "Show assets") && !is_marked(&mut window, "Show console"));
+    window.choose("Window", "Show console");
+    assert!(window.is_shown("Filter the console"));
+    assert!(is_marked(&mut window, "Show console") && !is_marked(&mut window, "Show assets"));
+    window.choose("Window", "Show console");
+    assert!(!window.is_shown("Console panel") && !is_marked(&mut window, "Show console"));
+    window.choose("Window", "Show console");
+    assert!(window.is_shown("Filter the console"));
+    window.choose("Window", "Show scene view");
+    assert!(window.is_shown("Scene view"), "the pictures of the scene stay");
+}
+
+#[test]
+fn what_is_switched_on_is_marked_in_its_menu() {
+    let Some(mut window) = open() else { return };
+    let marks = |window: &mut Window, menu: &str, entries: &[&str]| -> Vec<bool> {
+        window.click(menu);
+        let marked = |entry: &&str| {
+            let nodes: Vec<_> = window.harness.query_all_by_label(entry).collect();
+            nodes.iter().any(|node| {
+                let node = node.accesskit_node();
+                node.role() == Role::MenuItemCheckBox && node.toggled() == Some(Toggled::True)
+            })
+        };
+        let marks = entries.iter().map(marked).collect();
+        window.press(Modifiers::NONE, Key::Escape);
+        marks
+    };
+    let views = ["Composite", "Albedo", "Grid"];
+    assert_eq!(marks(&mut window, "View", &views), [true, false, true]);
+    window.press(Modifiers::ALT, Key::Num5);
+    window.press(Modifiers::NONE, Key::G);
+    assert_eq!(marks(&mut window, "View", &views), [false, true, false]);
+    window.press(Modifiers::NONE, Key::E);
+    assert_eq!(marks(&mut window, "Tool", &["Move", "Rotate"]), [false, true]);
+}
+
+#[test]
 fn both_themes_and_other_sizes_draw_every_panel() {
     let Some(mut window) = open() else { return };
     window.choose("Window", "Light or dark theme");
@@ -49,4 +97,16 @@ fn both_themes_and_other_sizes_draw_every_panel() {
         let rect = window.node(panel).rect();
         assert!(rect.width() > 20.0 && rect.height() > 10.0, "{panel} {rect}");
     }
+}
+
+#[test]
+fn a_line_of_the_console_leads_to_its_file() {
+    let Some(mut window) = open() else { return };
+    assert!(!window.editor().state().asset_selected);
+    let file = window.project().join("assets/cornell.obj");
+    window.editor().session.log.warning(Source::File(file), "this file looks odd");
+    window.press(Modifiers::COMMAND, Key::Num6);
+    let line = window.harness.query_all_by_label("this file looks odd").last().unwrap().rect().center();
+    window.click_at(line, Modifiers::NONE);
+    assert!(window.editor().state().asset_selected && window.is_shown("Search the assets"));
 }

@@ -101,6 +101,6 @@ fn a_panel_that_was_closed_by_its_tab_stays_closed_until_it_is_asked_for() {
     assert!(!again.is_shown("Console panel"));
     again.press(Modifiers::COMMAND, Key::Num6);
     assert!(again.is_shown("Console panel"));
-    assert!(layout::is_open(&layout::default_layout(), Pane::Console));
+    assert!(layout::is_open(&layout::default_layout(1280.0), Pane::Console));
     assert!(again.harness.query_by_label("Filter the console").is_some());
 }

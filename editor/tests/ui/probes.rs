@@ -6,7 +6,7 @@ use egui_kittest::kittest::Queryable;
 use engine::scene::EntityId;
 use glam::{DVec3, Vec3};
 
-/// A group at the corners of two metres, framed, with its probes in the hand.
+/// A group at the corners of a box inside the scene's own, framed, with its probes in the hand.
 fn probes() -> Option<(Window, EntityId)> {
     let mut window = open()?;
     let id = window.made(|window| window.choose("Create", "Create light probe group"));
@@ -100,7 +100,7 @@ fn a_click_sets_a_probe_before_the_surface_under_it() {
     window.press(Modifiers::NONE, Key::Home);
     window.press(Modifiers::NONE, Key::Num7);
     window.click("Add");
-    let (at, before) = (window.seen_at(DVec3::new(0.05, 0.0, 0.05)), places(&window, id).len());
+    let (at, before) = (window.seen_at(DVec3::new(0.25, 0.0, 0.3)), places(&window, id).len());
     window.click_at(at, Modifiers::NONE);
     assert_eq!((places(&window, id).len(), chosen(&window)), (before + 1, vec![before]));
     let new = places(&window, id)[before];
@@ -113,7 +113,8 @@ fn a_click_sets_a_probe_before_the_surface_under_it() {
 fn a_box_is_filled_with_a_grid_in_one_step() {
     let Some((mut window, id)) = probes() else { return };
     let steps = window.steps();
-    window.editor_mut().scene.probing.spacing = 0.5;
+    let [low, high] = [places(&window, id)[0], places(&window, id)[7]];
+    window.editor_mut().scene.probing.spacing = (high.x - low.x) / 4.0;
     window.settle();
     window.click("Fill the box with a grid");
     assert_eq!((places(&window, id).len(), window.steps()), (125, steps + 1));
@@ -125,11 +126,14 @@ fn a_box_is_filled_with_a_grid_in_one_step() {
 
 #[test]
 fn a_slice_goes_through_the_tetrahedra_and_is_dragged_by_its_handle() {
-    let Some((mut window, id)) = probes() else { return };
+    let Some((mut window, _)) = probes() else { return };
     window.press(Modifiers::NONE, Key::Q);
     window.press(Modifiers::SHIFT, Key::T);
     let plane = |window: &Window| window.editor().scene.net.plane.unwrap();
-    let middle = places(&window, id).into_iter().sum::<DVec3>() / 8.0;
+    let all = window.editor().scene.net.web().positions.clone();
+    let low = all.iter().copied().reduce(DVec3::min).unwrap();
+    let high = all.iter().copied().reduce(DVec3::max).unwrap();
+    let (middle, tall) = ((low + high) * 0.5, high.y - low.y);
     assert!(plane(&window).axis == 1 && (plane(&window).offset - middle.y).abs() < 1e-6);
     let heights = |window: &Window| -> Vec<f64> {
         window.editor().scene.net.slice().unwrap().cuts.iter().map(|cut| cut.at.y).collect()
@@ -138,9 +142,9 @@ fn a_slice_goes_through_the_tetrahedra_and_is_dragged_by_its_handle() {
     let cuts = &window.editor().scene.net.slice().unwrap().cuts;
     let held = cuts.iter().map(|cut| cut.at).sum::<DVec3>() / cuts.len() as f64;
     let grip = held + DVec3::Y * window.lens().metres_per_point(held) * 40.0;
-    let [from, to] = [grip, grip + DVec3::Y * 0.3].map(|at| window.seen_at(at));
+    let [from, to] = [grip, grip + DVec3::Y * tall * 0.15].map(|at| window.seen_at(at));
     window.drag(from, to);
-    assert!((plane(&window).offset - middle.y - 0.3).abs() < 0.02, "{:?}", plane(&window));
+    assert!((plane(&window).offset - middle.y - tall * 0.15).abs() < 0.01 * tall, "{:?}", plane(&window));
     assert!(heights(&window).iter().all(|y| (y - plane(&window).offset).abs() < 1e-6));
     window.click("Slice across Z");
     assert!(plane(&window).axis == 2 && (plane(&window).offset - middle.z).abs() < 1e-6);

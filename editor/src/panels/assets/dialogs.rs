@@ -4,13 +4,15 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{self, Receiver};
 
 use eframe::egui;
-use egui::{Button, ComboBox, DragValue, Modal, RichText, ScrollArea, TextEdit, Ui, vec2};
+use egui::{Button, ComboBox, DragValue, RichText, ScrollArea, TextEdit, Ui, vec2};
 use engine::scene::import::settings::{self, ImportSettings, Normals, Structure, Up};
 
 use super::AssetList;
+use super::sources::Sources;
 use crate::ask::Asks;
-use crate::assets::{self, Kind, Place, Wish};
+use crate::assets::{self, Place, Wish};
 use crate::document::Document;
+use crate::theme;
 
 pub enum Dialog {
     Delete {
@@ -25,7 +27,7 @@ pub enum Dialog {
         browsing: Option<Receiver<Option<PathBuf>>>,
     },
     Import {
-        sources: Vec<PathBuf>,
+        sources: Sources,
         settings: ImportSettings,
         place: bool,
     },
@@ -42,8 +44,8 @@ impl Dialog {
         Self::Relink { from: file.to_owned(), search: String::new(), browsing: None }
     }
 
-    pub fn import(sources: Vec<PathBuf>) -> Self {
-        Self::Import { sources, settings: ImportSettings::default(), place: true }
+    pub fn import() -> Self {
+        Self::Import { sources: Sources::default(), settings: ImportSettings::default(), place: true }
     }
 
     pub fn settings(project: &Path, file: &str) -> Self {
@@ -59,7 +61,7 @@ impl Dialog {
 
     /// Whether it stays open.
     pub fn show(&mut self, ui: &Ui, list: &AssetList, document: &Document, asks: &mut Asks) -> bool {
-        let modal = Modal::new(egui::Id::unique("assets dialog")).show(ui.ctx(), |ui| {
+        let modal = theme::dialog(ui, "assets dialog").show(ui.ctx(), |ui| {
             ui.set_width(380.0);
             ui.label(RichText::new(self.title()).heading());
             ui.add_space(8.0);
@@ -73,10 +75,7 @@ impl Dialog {
         match self {
             Self::Delete { file, .. } => format!("Delete `{}`?", assets::name(file)),
             Self::Relink { from, .. } => format!("Relink `{}`", assets::name(from)),
-            Self::Import { sources, .. } => match sources.as_slice() {
-                [one] => format!("Import `{}`", one.file_name().unwrap_or_default().to_string_lossy()),
-                many => format!("Import {} files", many.len()),
-            },
+            Self::Import { sources, .. } => format!("Import {}", sources.told()),
             Self::Settings { file, .. } => format!("Import settings of `{}`", assets::name(file)),
         }
     }
@@ -89,15 +88,19 @@ impl Dialog {
                 relink(ui, from, search, list, asks) || from_elsewhere(ui, from, browsing, document, asks)
             }
             Self::Import { sources, settings, place } => {
+                let is_entered = sources.show(ui);
+                ui.add_space(8.0);
                 fields(ui, settings);
                 ui.checkbox(place, "Place in the scene").on_hover_text("In the middle of the scene view");
                 ui.add_space(10.0);
-                let pressed = buttons(ui, "Import");
-                if pressed == Some(true) {
-                    let place = place.then_some(Place::At(list.pivot));
-                    asks.push(Wish::Bring { sources: sources.clone(), settings: Some(*settings), place });
+                let pressed = buttons(ui, "Import", !sources.files().is_empty());
+                let files = if is_entered || pressed == Some(true) { sources.files() } else { Vec::new() };
+                if files.is_empty() {
+                    return pressed.is_some();
                 }
-                pressed.is_some()
+                let place = place.then_some(Place::At(list.pivot));
+                asks.push(Wish::Bring { sources: files, settings: Some(*settings), place });
+                true
             }
             Self::Settings { file, settings, read } => {
                 if let Some(known) = read.as_ref().and_then(|read| read.try_recv().ok()) {
@@ -106,7 +109,7 @@ impl Dialog {
                 ui.add_enabled_ui(read.is_none(), |ui| fields(ui, settings));
                 ui.weak("All objects made of it follow, except where they were edited since.");
                 ui.add_space(10.0);
-                let pressed = buttons(ui, "Apply");
+                let pressed = buttons(ui, "Apply", true);
                 if pressed == Some(true) {
                     asks.push(Wish::Again { file: file.clone(), settings: Some(*settings) });
                 }
@@ -125,7 +128,7 @@ fn delete(ui: &mut Ui, file: &str, users: usize, asks: &mut Asks) -> bool {
     ui.label(text);
     ui.label("The file goes from the disk. This cannot be undone.");
     ui.add_space(10.0);
-    let pressed = buttons(ui, "Delete");
+    let pressed = buttons(ui, "Delete", true);
     if pressed == Some(true) {
         asks.push(Wish::Delete { file: file.to_owned() });
     }
@@ -204,42 +207,49 @@ fn fields(ui: &mut Ui, settings: &mut ImportSettings) {
     egui::Grid::new("import settings").num_columns(2).spacing(vec2(16.0, 7.0)).show(ui, |ui| {
         let label = ui.label("Scale");
         let scale = DragValue::new(&mut settings.scale).speed(0.01).range(1e-6..=1e6).max_decimals(6);
-        ui.add(scale).labelled_by(label.id).on_hover_text("Metres of one unit of the file");
+        ui.add_sized(vec2(180.0, 20.0), scale)
+            .labelled_by(label.id)
+            .on_hover_text("Metres of one unit of the file");
         ui.end_row();
-        choice(ui, "Up axis", &mut settings.up, &[(Up::Y, "Y"), (Up::Z, "Z")]);
+        let tooltip = "Which axis of the file points up: glTF says Y, many OBJ files mean Z";
+        choice(ui, ("Up axis", tooltip), &mut settings.up, &[(Up::Y, "Y"), (Up::Z, "Z")]);
         let normals = [(Normals::File, "The file's"), (Normals::Flat, "Flat"), (Normals::Smooth, "Smooth")];
-        choice(ui, "Normals", &mut settings.normals, &normals);
+        let tooltip = "The file's own, or made of its faces: each face flat, or smooth over their edges";
+        choice(ui, ("Normals", tooltip), &mut settings.normals, &normals);
         let structures =
             [(Structure::Hierarchy, "As in the file"), (Structure::One, "One object of all meshes")];
-        choice(ui, "Objects", &mut settings.structure, &structures);
+        let tooltip = "One object for each of the file, under each other as there, or a single one";
+        choice(ui, ("Objects", tooltip), &mut settings.structure, &structures);
     });
     ui.add_space(4.0);
 }
 
-fn choice<T: PartialEq + Copy>(ui: &mut Ui, name: &str, value: &mut T, choices: &[(T, &str)]) {
-    ui.label(name);
+fn choice<T: PartialEq + Copy>(
+    ui: &mut Ui,
+    (name, tooltip): (&str, &str),
+    value: &mut T,
+    choices: &[(T, &str)],
+) {
+    ui.label(name).on_hover_text(tooltip);
     let said = choices.iter().find(|(choice, _)| choice == value).map_or("", |(_, said)| said);
     let shown = ComboBox::from_id_salt(name).selected_text(said).width(180.0).show_ui(ui, |ui| {
         for (choice, said) in choices {
             ui.selectable_value(value, *choice, *said);
         }
     });
-    let id = shown.response.id;
+    let id = shown.response.on_hover_text(tooltip).id;
     ui.ctx().accesskit_node_builder(id, |node| node.set_label(name));
     ui.end_row();
 }
 
 /// `Some(true)`: it is to be done; `Some(false)`: it is not.
-fn buttons(ui: &mut Ui, does: &str) -> Option<bool> {
-    let button = |ui: &mut Ui, name: &str| ui.add(Button::new(name).min_size(vec2(84.0, 24.0))).clicked();
+fn buttons(ui: &mut Ui, does: &str, can: bool) -> Option<bool> {
+    let button = |ui: &mut Ui, name: &str, can: bool| {
+        ui.add_enabled(can, Button::new(name).min_size(vec2(84.0, 24.0))).clicked()
+    };
     ui.horizontal(|ui| {
-        let (yes, no) = (button(ui, does), button(ui, "Cancel"));
+        let (yes, no) = (button(ui, does, can), button(ui, "Cancel", true));
         (yes || no).then_some(yes)
     })
     .inner
-}
-
-/// Does the dialog matter to any of these?
-pub fn reads_models(sources: &[PathBuf]) -> bool {
-    sources.iter().any(|source| assets::kind(&source.to_string_lossy()) != Kind::Picture)
 }

@@ -88,7 +88,7 @@ impl AssetList {
 
 pub(super) fn of_folder(ui: &mut Ui, folder: &str, asks: &mut Asks) {
     if ui.button("Import files\u{2026}").clicked() {
-        asks.push(Wish::Browse);
+        asks.push(Wish::AskForImport);
     }
     if ui.button("New folder").clicked() {
         asks.push(Wish::NewFolder { below: folder.to_owned() });
