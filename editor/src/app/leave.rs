@@ -3,12 +3,13 @@
 use std::time::Duration;
 
 use eframe::egui;
-use egui::{Modal, RichText, Ui, ViewportCommand};
+use egui::{RichText, Ui, ViewportCommand};
 
 use super::Editor;
 use crate::command::Command;
 use crate::opened::Wanted;
 use crate::panels::files::Chosen;
+use crate::theme;
 
 /// What comes after the document is left.
 #[derive(Clone, Debug, PartialEq)]
@@ -97,7 +98,7 @@ impl Editor {
             return;
         }
         let mut answer = None;
-        Modal::new(egui::Id::unique("recovery")).show(ui.ctx(), |ui| {
+        theme::dialog(ui, "recovery").show(ui.ctx(), |ui| {
             ui.set_width(380.0);
             ui.label(RichText::new("Unsaved work was found").heading());
             ui.add_space(6.0);
@@ -132,7 +133,7 @@ impl Editor {
             Answer::Saving => return self.leave(then, ui),
         }
         let mut answer = None;
-        let modal = Modal::new(egui::Id::unique("unsaved")).show(ui.ctx(), |ui| {
+        let modal = theme::dialog(ui, "unsaved").show(ui.ctx(), |ui| {
             ui.set_width(360.0);
             ui.label(RichText::new(format!("Save `{}` first?", self.session.document.name())).heading());
             ui.add_space(6.0);

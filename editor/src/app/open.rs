@@ -7,7 +7,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use eframe::egui;
-use egui::{Modal, RichText, Ui};
+use egui::{RichText, Ui};
 use engine::gpu::Gpu;
 use engine::play::world::placed_at;
 use engine::render::Eye;
@@ -24,6 +24,7 @@ use crate::panels::game::GameView;
 use crate::panels::hierarchy::Hierarchy;
 use crate::panels::scene::SceneView;
 use crate::scenery::{AsBaked, Placed};
+use crate::theme;
 use crate::viewport::{Plan, Ready};
 
 /// What is being opened.
@@ -88,7 +89,7 @@ impl Editor {
     /// Nothing is edited that will be gone when the other is there.
     fn opening_sign(&mut self, ui: &Ui) {
         let Some(opening) = &self.opening else { return };
-        let modal = Modal::new(egui::Id::unique("opening")).show(ui.ctx(), |ui| {
+        let modal = theme::dialog(ui, "opening").show(ui.ctx(), |ui| {
             ui.set_width(380.0);
             ui.label(RichText::new("Opening").heading());
             ui.add_space(6.0);
