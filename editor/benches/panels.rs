@@ -114,10 +114,12 @@ impl Desk {
         let state = pollster::block_on(state).ok()?;
         let ctx = egui::Context::default();
         let opened = Opened::load(project, None).expect("it was just written");
-        let mut editor = Editor::new(&ctx, &state, opened, None).expect("the GPU draws");
-        layout::close(&mut editor.layout, Pane::Scene);
-        layout::close(&mut editor.layout, Pane::Game);
-        Some(Self { ctx, editor, time: 0.0 })
+        let editor = Editor::new(&ctx, &state, opened, None).expect("the GPU draws");
+        let mut desk = Self { ctx, editor, time: 0.0 };
+        // Panels are laid out when the window's width is known; the views are closed after that.
+        desk.rest(1);
+        [Pane::Scene, Pane::Game].into_iter().for_each(|pane| layout::close(&mut desk.editor.layout, pane));
+        Some(desk)
     }
 
     fn picture(&mut self, events: Vec<Event>) -> Duration {
