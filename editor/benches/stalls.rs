@@ -54,7 +54,9 @@ fn main() {
     first.tell();
     let entities = window.editor().session.document.scene().entities.len();
     window.harness.key_press_modifiers(Modifiers::NONE, Key::F);
+    let eye = window.editor().scene.camera;
     orbit(&mut window, at).tell();
+    assert_ne!(window.editor().scene.camera, eye, "the orbit turned nothing: this is no measurement");
     select(&mut window).tell();
     edit(&mut window).tell();
     println!("{entities} objects; errors: {:?}", window.errors());
@@ -110,23 +112,25 @@ fn orbit(window: &mut Window, at: Pos2) -> Steps {
         pressed,
         modifiers: Modifiers::ALT,
     };
-    window.harness.event_modifiers(button(true), Modifiers::ALT);
+    // Held all the while: events with modifiers of their own would let go of it between them.
+    window.harness.event(Event::ModifiersChanged(Modifiers::ALT));
+    window.harness.event(button(true));
     steps.step(window);
-    for n in 0..20 {
-        window
-            .harness
-            .event_modifiers(Event::PointerMoved(at + egui::vec2(n as f32 * 6.0, 0.0)), Modifiers::ALT);
+    for n in 1..=20 {
+        window.harness.event(Event::PointerMoved(at + egui::vec2(n as f32 * 6.0, 0.0)));
         steps.step(window);
     }
-    window.harness.event_modifiers(button(false), Modifiers::NONE);
+    window.harness.event(button(false));
+    window.harness.event(Event::ModifiersChanged(Modifiers::NONE));
     steps.step(window);
     steps
 }
 
-/// Clicks on a lattice over the picture, each answered by a pass of its own and waited for; then everything, then nothing.
+/// Clicks on a lattice over the picture, each answered by a pass of its own in a later picture; then everything, then nothing.
 fn select(window: &mut Window) -> Steps {
     let mut steps = Steps::new("click, which the GPU answers");
-    let rect = window.scene_view();
+    let (rect, mut met) = (window.scene_view(), false);
+    window.editor_mut().session.carry_out([Intent::Select(Vec::new())]);
     for n in 0..9 {
         let share = egui::vec2((n % 3) as f32 + 1.0, (n / 3) as f32 + 1.0) / 4.0;
         let at = rect.min + rect.size() * share;
@@ -136,7 +140,14 @@ fn select(window: &mut Window) -> Steps {
         steps.step(window);
         window.harness.drop_at(at);
         steps.step(window);
+        while window.editor().is_seeking() {
+            steps.step(window);
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        steps.step(window);
+        met |= !window.editor().session.selection.is_empty();
     }
+    assert!(met, "no click met anything: this is no measurement");
     steps.tell();
     let mut steps = Steps::new("select all, select none");
     for key in [Modifiers::COMMAND, Modifiers::COMMAND | Modifiers::SHIFT] {
