@@ -7,7 +7,7 @@
 
 use engine::scene::file::Quality;
 
-use super::bakes::{Bakes, Made, OfLength, Recipe, metres};
+use super::bakes::{BESIDE, Bakes, Made, OfLength, Recipe, metres};
 use super::lit::weights;
 use super::matrix::Exactly;
 use super::truth::Truth;
@@ -104,7 +104,7 @@ fn wanted(presets: &[Preset], shipped: Recipe) -> Wanted {
         .flat_map(|&length| RAYS.into_iter().map(move |rays| Recipe { length, rays }))
         .chain([Recipe { length: longest, rays: RAYS_OF_LONGEST }])
         .collect();
-    lines.sort_by(|a, b| a.work().total_cmp(&b.work()));
+    lines.sort_by(|a, b| a.work(BESIDE).total_cmp(&b.work(BESIDE)));
     let first = lines.first().copied();
     let mut presets: Vec<Recipe> = presets.iter().map(|preset| preset.recipe).collect();
     presets.dedup();
@@ -119,7 +119,7 @@ fn wanted(presets: &[Preset], shipped: Recipe) -> Wanted {
     let finer = finer.into_iter().filter(|recipe| !least.contains(recipe));
     let again = presets.into_iter().flat_map(|preset| [preset; RUNS - 1]);
     let mut more: Vec<Recipe> = finer.chain(again).collect();
-    more.sort_by(|a, b| a.work().total_cmp(&b.work()));
+    more.sort_by(|a, b| a.work(BESIDE).total_cmp(&b.work(BESIDE)));
     Wanted { least, more }
 }
 

@@ -62,27 +62,27 @@ pub struct Bakes<'a> {
     pub notes: Vec<String>,
 }
 
-/// What a row takes beside its rays, in rays: to be laid out, sampled towards, balanced.
-const BESIDE: f64 = 192.0;
+/// What a row takes beside its rays, in rays, where nothing is known yet: to be laid out, sampled towards, balanced.
+pub const BESIDE: f64 = 192.0;
+/// It is no more than this, whatever few times say.
+const MOST_BESIDE: f64 = 4096.0;
 /// What a bake may take longer than expected.
 const MARGIN: f64 = 1.25;
 /// Solving it and looking at it, in times of the bake.
 const LOOKING: f64 = 0.3;
 
 impl Recipe {
-    /// What it costs, up to a factor that is the scene's: rows times their rays, and what a row takes beside.
-    pub fn work(self) -> f64 {
-        (f64::from(self.rays) + BESIDE) / (self.length * self.length)
+    /// What it costs, up to a factor that is the scene's: rows times their rays, and what a row takes beside, in rays.
+    pub fn work(self, beside: f64) -> f64 {
+        (f64::from(self.rays) + beside) / (self.length * self.length)
     }
 }
 
 impl Bakes<'_> {
     /// Seconds: scaled from the bake that is most like it; nothing is known before the first.
     pub fn expected(&self, recipe: Recipe) -> f64 {
-        let times = |made: &Made| recipe.work() / made.recipe.work();
-        let unlike = |made: &&Made| times(made).ln().abs();
-        let like = self.made.iter().min_by(|a, b| unlike(a).total_cmp(&unlike(b)));
-        like.map_or(0.0, |made| made.seconds[0] * times(made))
+        let times: Vec<(Recipe, f64)> = self.made.iter().map(|made| (made.recipe, made.seconds[0])).collect();
+        expected(&times, recipe)
     }
 
     pub fn of(&self, recipe: Recipe) -> Option<&Made> {
@@ -133,6 +133,31 @@ impl Bakes<'_> {
     }
 }
 
+/// Seconds of a bake, scaled from the one of these that is most like it.
+fn expected(times: &[(Recipe, f64)], recipe: Recipe) -> f64 {
+    let beside = beside(times);
+    let factor = |like: Recipe| recipe.work(beside) / like.work(beside);
+    let unlike = |&&(like, _): &&(Recipe, f64)| factor(like).ln().abs();
+    let like = times.iter().min_by(|a, b| unlike(a).total_cmp(&unlike(b)));
+    like.map_or(0.0, |&(like, seconds)| seconds * factor(like))
+}
+
+/// Rays that take as long as what a row takes beside them, which a scene's number of receivers and its gaps decide:
+/// seconds ~ (a + b rays) / length^2 by least squares of the relative misfit, and of that a / b.
+fn beside(times: &[(Recipe, f64)]) -> f64 {
+    let columns = times.iter().map(|&(recipe, seconds)| {
+        let row = 1.0 / (recipe.length * recipe.length * seconds);
+        [row, row * f64::from(recipe.rays)]
+    });
+    let columns: Vec<[f64; 2]> = columns.filter(|column| column[1].is_finite()).collect();
+    let sum = |of: &dyn Fn(&[f64; 2]) -> f64| columns.iter().map(of).sum::<f64>();
+    let (aa, ab, bb) = (sum(&|x| x[0] * x[0]), sum(&|x| x[0] * x[1]), sum(&|x| x[1] * x[1]));
+    let (a, b) = (sum(&|x| x[0]), sum(&|x| x[1]));
+    let (of_row, of_ray) = (a * bb - b * ab, b * aa - a * ab);
+    let is_determined = columns.len() > 1 && aa * bb - ab * ab > 1e-6 * aa * bb && of_ray > 0.0;
+    if is_determined { (of_row / of_ray).clamp(0.0, MOST_BESIDE) } else { BESIDE }
+}
+
 /// One bake and its seconds.
 pub fn bake(opened: &Opened, recipe: Recipe, watcher: &dyn Watcher) -> Result<(Transport, f64), BakeError> {
     let started = Instant::now();
@@ -166,4 +191,45 @@ impl std::fmt::Display for Recipe {
 pub fn metres(length: f64) -> String {
     let digits = (2 - length.log10().floor() as i32).max(0) as usize;
     format!("{length:.digits$} m")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn times(of: impl Fn(f64, f64) -> f64, recipes: &[(f64, u32)]) -> Vec<(Recipe, f64)> {
+        let one = |&(length, rays): &(f64, u32)| {
+            let rows = 1.0 / (length * length);
+            (Recipe { length, rays }, of(rows, f64::from(rays)))
+        };
+        recipes.iter().map(one).collect()
+    }
+
+    /// In the Cornell box a row takes 600 rays beside its own, in the corridor 50.
+    #[test]
+    fn a_bake_is_expected_to_take_what_others_of_the_scene_say() {
+        for beside in [50.0, 600.0] {
+            let seconds = |rows: f64, rays: f64| 1e-6 * rows * (beside + rays);
+            let known = times(seconds, &[(0.04, 64), (0.04, 512), (0.04, 8192), (0.02, 1024), (0.016, 64)]);
+            let recipe = Recipe { length: 0.03, rays: 1024 };
+            let right = seconds(1.0 / (0.03 * 0.03), 1024.0);
+            assert!((expected(&known, recipe) - right).abs() < 1e-6 * right, "{beside}");
+        }
+    }
+
+    #[test]
+    fn what_few_or_strange_times_say_is_finite() {
+        let recipe = Recipe { length: 0.03, rays: 1024 };
+        assert_eq!(expected(&[], recipe), 0.0);
+        let strange: [fn(f64, f64) -> f64; 4] =
+            [|_, _| 0.0, |_, _| 1.0, |_, rays| 1.0 / rays, |rows, _| rows];
+        for seconds in strange {
+            for recipes in
+                [&[(0.04, 64)][..], &[(0.04, 64), (0.04, 64)], &[(0.04, 64), (0.04, 512), (0.02, 512)]]
+            {
+                let expected = expected(&times(seconds, recipes), recipe);
+                assert!(expected.is_finite() && expected >= 0.0, "{recipes:?}");
+            }
+        }
+    }
 }

@@ -71,8 +71,7 @@ pub fn diagrams(
         title: "Frame time and the error of solving".to_owned(),
         about: "How near to the solution is the light after so many products, from darkness? Largest error of any patch \
                 over the largest radiosity; the rows are the shipped bake's. All three channels: f64 methods take them one \
-                after the other, the runtime's iteration all at once in f32. Chebyshev's polynomials are small after many \
-                products, and may be large after two."
+                after the other, the runtime's iteration all at once in f32."
             .to_owned(),
         x: milliseconds(),
         y: Axis { label: "largest error over largest radiosity".to_owned(), unit: String::new() },
