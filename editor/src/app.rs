@@ -205,6 +205,7 @@ impl Editor {
         self.stage.begin(ui.ctx().cumulative_frame_nr());
         self.beside(ui);
         self.take_sought(ui);
+        self.stage.hold(self.is_behind());
         self.thumbnails.begin(self.session.document.project(), &self.assets);
         self.placed.follow(&self.session.document, &self.assets, &self.baked);
         if let Some(play) = &mut self.play {

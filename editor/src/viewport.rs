@@ -47,6 +47,8 @@ pub struct Stage {
     made_on: ThreadId,
     /// Of the editor.
     picture: u64,
+    /// What was drawn last stays.
+    is_held: bool,
     drawing: Duration,
 }
 
@@ -107,6 +109,7 @@ impl Stage {
             coming: None,
             made_on: thread::current().id(),
             picture: 0,
+            is_held: false,
             drawing: Duration::ZERO,
         })
     }
@@ -114,6 +117,11 @@ impl Stage {
     /// Another picture of the editor.
     pub fn begin(&mut self, picture: u64) {
         self.picture = picture;
+    }
+
+    /// Something is to be submitted as soon as what was drawn is done: nothing is drawn that it would wait for as well.
+    pub fn hold(&mut self, is_held: bool) {
+        self.is_held = is_held;
     }
 
     /// What the processor needed for all that was drawn so far; a driver that draws on it is waited for there.
@@ -255,6 +263,9 @@ impl Picture {
         marks: &Marks,
         size: [u32; 2],
     ) -> Option<TextureId> {
+        if stage.is_held && self.fits(size) {
+            return self.texture.as_ref().map(|(_, id)| *id);
+        }
         let shown =
             Shown { revision, time: now.time, eye: now.eye, view: now.view, marks: marks.clone(), size };
         let differs = self.shown.as_ref() != Some(&shown);
@@ -285,8 +296,12 @@ impl Picture {
         self.shown = None;
     }
 
+    fn fits(&self, size: [u32; 2]) -> bool {
+        self.texture.as_ref().is_some_and(|(texture, _)| [texture.width(), texture.height()] == size)
+    }
+
     fn fit(&mut self, stage: &Stage, size: [u32; 2]) {
-        if self.texture.as_ref().is_some_and(|(texture, _)| [texture.width(), texture.height()] == size) {
+        if self.fits(size) {
             return;
         }
         let texture = texture::target(&stage.gpu, "picture", size, 1, FORMAT);

@@ -83,6 +83,11 @@ impl Editor {
         self.go_on(ui);
     }
 
+    /// A question waits for what was drawn before it.
+    pub fn is_behind(&self) -> bool {
+        matches!(self.seeking, Some(Seeking { sent: Sent::Behind(_), .. }))
+    }
+
     /// A click is not answered yet, or what was asked after it is not done.
     pub fn is_seeking(&self) -> bool {
         self.seeking.is_some() || !self.due.is_empty()

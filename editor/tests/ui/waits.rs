@@ -98,6 +98,35 @@ fn a_click_on_what_is_gone_when_it_is_answered_selects_nothing() {
     assert!(window.errors().is_empty(), "{:?}", window.errors());
 }
 
+/// What is submitted waits for what was submitted before: a picture that is drawn while a question waits for its turn
+/// would make the question wait for it too.
+#[test]
+fn no_picture_is_drawn_while_a_click_waits_for_the_one_before() {
+    let Some(mut window) = open() else { return };
+    let [(left, at_left), _] = two_cubes(&mut window);
+    let mut waited = 0;
+    for n in 0..8 {
+        window.select(&[]);
+        // Another light: pictures until it has settled.
+        let lamp = window.made(|window| window.choose("Create", "Point light"));
+        window.select(&[]);
+        click(&mut window, at_left, if n % 2 == 0 { Modifiers::NONE } else { Modifiers::SHIFT });
+        while window.editor().is_seeking() {
+            let (was_behind, before) = (window.editor().is_behind(), window.editor().scene.picture.count);
+            window.harness.step();
+            if was_behind && window.editor().is_behind() {
+                assert_eq!(window.editor().scene.picture.count, before);
+                waited += 1;
+            }
+        }
+        assert_eq!(window.selected(), [left]);
+        window.select(&[lamp]);
+        window.harness.key_press(Key::Delete);
+        window.settle();
+    }
+    println!("{waited} pictures of the editor without a picture of the scene");
+}
+
 fn open_new_scene(window: &mut Window, name: &str) {
     window.press(Modifiers::COMMAND, Key::N);
     window.type_text(name);
