@@ -159,7 +159,10 @@ fn assert_tables(out: &Path, report: &serde_json::Value) {
     };
     for diagram in report["diagrams"].as_array().unwrap() {
         let lines = lines(&format!("{}.csv", diagram["id"].as_str().unwrap()));
-        assert_eq!(lines[0], "method,setting,x,x_least,x_largest,runs,rms,bias,p99,max,preset,on_front");
+        assert_eq!(
+            lines[0],
+            "method,setting,x,x_least,x_largest,runs,rms,bias,p99,max,preset,on_front,rms_error"
+        );
         let series = diagram["series"].as_array().unwrap();
         let points: usize = series.iter().map(|series| series["points"].as_array().unwrap().len()).sum();
         assert_eq!(lines.len(), 1 + points);

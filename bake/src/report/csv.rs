@@ -6,7 +6,7 @@ use crate::BakeError;
 
 pub fn diagram(diagram: &Diagram) -> Result<Vec<u8>, BakeError> {
     let front = Front::of(diagram);
-    let header = "method,setting,x,x_least,x_largest,runs,rms,bias,p99,max,preset,on_front";
+    let header = "method,setting,x,x_least,x_largest,runs,rms,bias,p99,max,preset,on_front,rms_error";
     let rows = diagram.series.iter().flat_map(|series| {
         let front = &front;
         series.points.iter().map(move |point| {
@@ -16,6 +16,7 @@ pub fn diagram(diagram: &Diagram) -> Result<Vec<u8>, BakeError> {
             row.extend(numbers(&point.error));
             row.push(point.preset.clone().unwrap_or_default());
             row.push(front.contains(place(diagram, point)).to_string());
+            row.push(point.spread.to_string());
             row
         })
     });
@@ -74,6 +75,7 @@ mod tests {
             x_range: [x, x],
             runs: 3,
             error: error(rms),
+            spread: 0.25,
             preset: None,
         };
         let mut points = vec![point("1 ray", 1.0, 0.5), point("2, or more", 2.0, 0.75)];
@@ -81,8 +83,8 @@ mod tests {
         let series = vec![Series::new("rays", points)];
         let text = text(diagram(&Diagram { series, ..Diagram::default() }));
         let lines: Vec<&str> = text.lines().skip(1).collect();
-        assert_eq!(lines[0], "rays,1 ray,1,1,1,3,0.5,-0.25,1,0.30000000000000004,draft,true");
-        assert_eq!(lines[1], "rays,\"2, or more\",2,2,2,3,0.75,-0.375,1.5,0.30000000000000004,,false");
+        assert_eq!(lines[0], "rays,1 ray,1,1,1,3,0.5,-0.25,1,0.30000000000000004,draft,true,0.25");
+        assert_eq!(lines[1], "rays,\"2, or more\",2,2,2,3,0.75,-0.375,1.5,0.30000000000000004,,false,0.25");
     }
 
     #[test]

@@ -113,6 +113,8 @@ pub struct Point {
     pub x_range: [f64; 2],
     pub runs: usize,
     pub error: Error,
+    /// Standard error of the rms, which stands on few places where errors are large; 0 where it is of all that there is.
+    pub spread: f64,
     /// The shipped preset that this is: "draft", "standard", "fine", "runtime".
     pub preset: Option<String>,
 }

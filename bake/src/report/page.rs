@@ -130,7 +130,7 @@ fn of_diagram(told: &Told, diagram: &Diagram, plot: &Plot) -> Markup {
                 summary { "All points" }
                 div.wide {
                     table {
-                        thead { tr { th { "method" } th { "setting" } th.n { (diagram.x.label) } th.n { "rms" } th.n { "signed mean" } th.n { "p99" } th.n { "max" } } }
+                        thead { tr { th { "method" } th { "setting" } th.n { (diagram.x.label) } th.n { "rms" } th.n { "signed mean" } th.n { "p99" } th.n { "max" } th.n { "rms \u{b1}" } } }
                         tbody {
                             @for series in &diagram.series {
                                 @for point in &series.points { (row(&series.name, point, &diagram.x.unit)) }
@@ -151,6 +151,7 @@ fn row(method: &str, point: &Point, unit: &str) -> Markup {
             td { (point.setting) @if let Some(preset) = &point.preset { " " b { (preset) } } }
             td.n { (quantity(point.x, unit)) }
             (numbers(&point.error))
+            td.n { @if point.spread > 0.0 { (share(point.spread)) } }
         }
     }
 }
@@ -198,7 +199,7 @@ fn curves(told: &Told) -> Markup {
     html! {
         @if !curves.is_empty() {
             h2 { "The curves and their floors" }
-            p { (sentences::of_curves(&told.trends)) }
+            p { (sentences::of_curves(&told.trends)) " A rise, or what is left above a floor, counts where it is more than the standard error of the rms over the evaluation points." }
             details {
                 summary { "All curves" }
                 div.wide {

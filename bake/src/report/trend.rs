@@ -24,9 +24,10 @@ pub struct Trend {
     pub floor_name: String,
     /// The least error of all points.
     pub least: f64,
-    /// Each point's error is below the one before, until it is within twice the floor.
+    /// Each point's error is below the one before, as far as the points' standard errors tell, until it is within twice
+    /// the floor.
     pub falls: bool,
-    /// Some point is within twice a floor that has a name.
+    /// Some point, less its standard error, is within twice a floor that has a name.
     pub reaches: bool,
     /// Why it goes no further, where that is neither its floor nor the budget.
     pub ends: Option<String>,
@@ -53,8 +54,9 @@ pub fn trends(diagrams: &[Diagram]) -> Vec<Trend> {
 }
 
 pub fn trend(diagram: &Diagram, series: &Series) -> Trend {
-    let points: Vec<[f64; 2]> =
-        series.points.iter().map(|point| place(diagram, point)).filter(is_measured).collect();
+    let measured = || series.points.iter().filter(|point| is_measured(&place(diagram, point)));
+    let points: Vec<[f64; 2]> = measured().map(|point| place(diagram, point)).collect();
+    let spreads: Vec<f64> = measured().map(|point| point.spread).collect();
     let least = points.iter().map(|point| point[1]).fold(f64::INFINITY, f64::min);
     let floors = diagram.floors.iter().filter(|floor| floor.y > 0.0);
     let known = series.floor.as_ref().or(floors.max_by(|a, b| a.y.total_cmp(&b.y)));
@@ -63,6 +65,11 @@ pub fn trend(diagram: &Diagram, series: &Series) -> Trend {
         let first = points.iter().position(|point| point[1] <= enough);
         &points[..first.map_or(points.len(), |first| first + 1)]
     };
+    let rises = |k: usize| {
+        let [before, after] = [k, k + 1].map(|k| points[k][1]);
+        after > NOISE * before && after - before > spreads[k].hypot(spreads[k + 1])
+    };
+    let nearest = points.iter().zip(&spreads).map(|(point, spread)| point[1] - spread);
     // Where no floor is known, the least error is none to stop short of.
     let sloping = until(if known.is_none() { floor } else { AT_FLOOR * floor });
     Trend {
@@ -73,8 +80,8 @@ pub fn trend(diagram: &Diagram, series: &Series) -> Trend {
         floor: if floor.is_finite() { floor } else { 0.0 },
         floor_name: known.map_or(String::new(), |floor| floor.name.clone()),
         least: if least.is_finite() { least } else { 0.0 },
-        falls: until(AT_FLOOR * floor).windows(2).all(|pair| pair[1][1] <= NOISE * pair[0][1]),
-        reaches: known.is_some() && least <= AT_FLOOR * floor,
+        falls: !(1..until(AT_FLOOR * floor).len()).any(|k| rises(k - 1)),
+        reaches: known.is_some() && nearest.fold(f64::INFINITY, f64::min) <= AT_FLOOR * floor,
         ends: series.ends.clone(),
     }
 }
@@ -103,6 +110,25 @@ mod tests {
         let floors = floors.iter().map(|y| Floor { name: "noise".to_owned(), y: *y }).collect();
         let diagram = Diagram { series: vec![series.clone()], floors, ..Diagram::default() };
         trend(&diagram, &series)
+    }
+
+    #[test]
+    fn a_rise_or_a_rest_within_the_standard_error_says_nothing() {
+        let trend_with = |spread: f64| {
+            let point = |[x, rms]: [f64; 2]| Point {
+                x,
+                spread,
+                error: Error { rms, ..Error::default() },
+                ..Point::default()
+            };
+            let series = Series::new("patches", [[1.0, 1.0], [2.0, 1.2], [4.0, 0.5]].map(point).to_vec());
+            let floors = vec![Floor { name: "noise".to_owned(), y: 0.2 }];
+            let diagram = Diagram { series: vec![series.clone()], floors, ..Diagram::default() };
+            trend(&diagram, &series)
+        };
+        assert!(trend_with(0.15).holds());
+        let sure = trend_with(0.05);
+        assert!(!sure.falls && !sure.reaches);
     }
 
     #[test]

@@ -27,6 +27,8 @@ const RAYS: [u32; 4] = [64, 256, 1024, 4096];
 const RAYS_OF_LONGEST: u32 = 8192;
 /// Lengths that are closer have none between.
 const APART: f64 = 1.9;
+/// Patch lengths of which there are no fewer.
+const LENGTHS: usize = 4;
 /// With which every patch length is baked before anything is refined.
 const FEW_RAYS: u32 = 256;
 /// At most so much of what is left goes into one bake that refines.
@@ -99,10 +101,16 @@ fn wanted(presets: &[Preset], shipped: Recipe) -> Wanted {
     if !lengths.contains(&shipped.length) {
         lengths.push(shipped.length);
     }
+    // What patches bring is seen beyond the finest preset too.
+    let shortest = lengths.iter().copied().fold(f64::INFINITY, f64::min);
+    let (few, ratio) =
+        (lengths.len() < LENGTHS, (longest / shortest).powf(1.0 / (lengths.len() - 1).max(1) as f64));
+    let beyond = (few && ratio > 1.0).then_some(Recipe { length: shortest / ratio, rays: FEW_RAYS });
     let mut lines: Vec<Recipe> = lengths
         .iter()
         .flat_map(|&length| RAYS.into_iter().map(move |rays| Recipe { length, rays }))
         .chain([Recipe { length: longest, rays: RAYS_OF_LONGEST }])
+        .chain(beyond)
         .collect();
     lines.sort_by(|a, b| a.work(BESIDE).total_cmp(&b.work(BESIDE)));
     let first = lines.first().copied();
@@ -150,7 +158,8 @@ fn total(bakes: &Bakes, presets: &[Preset], exactly: &[(f64, &Exactly)], truth: 
         let patches = of_length.first().map_or(0, |made| made.patches);
         let exactly = exactly.iter().find(|(of, _)| *of == length).map(|(_, exactly)| *exactly);
         let floor = floor_of_patches(&of_length, exactly, truth);
-        let points = of_length.into_iter().map(|made| point(made, presets, &truth.field)).collect();
+        let shown = |made: &Made| point(made, presets, &made.shown, &truth.field);
+        let points = of_length.into_iter().map(shown).collect();
         Series { floor, ..Series::new(format!("{patches} patches of {}", metres(length)), points) }
     };
     Diagram {
@@ -205,8 +214,8 @@ fn tends_to(points: &[[f64; 2]]) -> Option<f64> {
 fn form_factors(bakes: &Bakes, presets: &[Preset], length: f64, exactly: &Exactly) -> Diagram {
     let of_length = sorted(bakes, |made| made.recipe.length == length, |made| f64::from(made.recipe.rays));
     let points = of_length.into_iter().filter_map(|made| {
-        let error = error(&made.beside_matrix.as_ref()?.shown, &exactly.at_receivers);
-        Some(Point { error, ..point(made, presets, &exactly.at_receivers) })
+        let shown = &made.beside_matrix.as_ref()?.shown;
+        Some(point(made, presets, shown, &exactly.at_receivers))
     });
     Diagram {
         id: "bake_rays".to_owned(),
@@ -231,7 +240,8 @@ fn matrices(bakes: &Bakes, presets: &[Preset], length: f64, exactly: &Exactly) -
     let of_length = sorted(bakes, |made| made.recipe.length == length, |made| f64::from(made.recipe.rays));
     let points = of_length.into_iter().filter_map(|made| {
         let error = made.beside_matrix.as_ref()?.factors;
-        Some(Point { error, ..point(made, presets, &exactly.at_receivers) })
+        // Of all form factors.
+        Some(Point { error, spread: 0.0, ..point(made, presets, &made.shown, &exactly.at_receivers) })
     });
     Diagram {
         id: "bake_matrix".to_owned(),
@@ -259,7 +269,7 @@ fn patches(bakes: &Bakes, presets: &[Preset], truth: &Truth) -> Diagram {
     let rays = most(4).or(most(3)).or(most(2)).unwrap_or(RAYS[0]);
     let points = with(rays).into_iter().map(|made| Point {
         setting: format!("{} patches", made.patches),
-        ..point(made, presets, &truth.field)
+        ..point(made, presets, &made.shown, &truth.field)
     });
     let mut floors = truth.floors();
     let made = |length: f64| bakes.of(Recipe { length, rays })?.beside_matrix.as_ref();
@@ -292,14 +302,27 @@ fn error(found: &[f64], reference: &[f64]) -> Error {
     Error::of(found, reference, &weights(reference))
 }
 
-fn point(made: &Made, presets: &[Preset], reference: &[f64]) -> Point {
+fn point(made: &Made, presets: &[Preset], shown: &[f64], reference: &[f64]) -> Point {
     let preset = presets.iter().find(|preset| preset.recipe == made.recipe);
+    let error = error(shown, reference);
     Point {
         setting: format!("{} rays", made.recipe.rays),
-        error: error(&made.shown, reference),
+        error,
+        spread: error.rms * spread(shown, reference),
         preset: preset.map(|preset| preset.quality.to_string()),
         ..timed(&made.seconds)
     }
+}
+
+/// Standard error of the rms over the rms, as squares scatter over n places, s^2 being one place's (all its channels):
+/// sd(s^2) / (2 sqrt(n) mean s^2), to first order. Where one place has all of it, this is 1/2.
+fn spread(shown: &[f64], reference: &[f64]) -> f64 {
+    let n = reference.len() / 3;
+    let of_place = |k: usize| (0..3).map(|c| (shown[c * n + k] - reference[c * n + k]).powi(2)).sum::<f64>();
+    let squares: Vec<f64> = (0..n).map(of_place).collect();
+    let mean = squares.iter().sum::<f64>() / n.max(1) as f64;
+    let variance = squares.iter().map(|square| (square - mean).powi(2)).sum::<f64>() / n.max(1) as f64;
+    if mean > 0.0 { 0.5 * (variance / n as f64).sqrt() / mean } else { 0.0 }
 }
 
 /// A point at the median of what was measured.
@@ -338,6 +361,21 @@ mod tests {
         assert_eq!(tends_to(&points(&[64.0])), None);
         // Errors that fall faster than noise does tend to nothing.
         assert_eq!(tends_to(&[[64.0, 1.0], [256.0, 0.3]]), Some(0.0));
+    }
+
+    #[test]
+    fn an_rms_is_as_sure_as_its_squares_are_many() {
+        let channels = |of: &dyn Fn(usize) -> f64, n: usize| -> Vec<f64> {
+            (0..3).flat_map(|_| (0..n).map(of).collect::<Vec<_>>()).collect()
+        };
+        let zero = vec![0.0; 3 * 400];
+        assert_eq!(spread(&zero, &zero), 0.0);
+        assert_eq!(spread(&channels(&|_| 0.1, 400), &zero), 0.0);
+        let one = spread(&channels(&|k| if k == 7 { 1.0 } else { 0.0 }, 400), &zero);
+        assert!((one - 0.5).abs() < 0.01, "{one}");
+        // Squares that are 0 or 2 as often: sd = mean.
+        let coin = spread(&channels(&|k| if k % 2 == 0 { 2.0_f64.sqrt() } else { 0.0 }, 400), &zero);
+        assert!((coin - 0.5 / 20.0).abs() < 1e-9, "{coin}");
     }
 
     #[test]

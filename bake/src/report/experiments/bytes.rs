@@ -102,6 +102,7 @@ fn cuts(stored: &Stored, truth: &[f64], budget: &Budget, watcher: &dyn Watcher) 
             x_range: [x; 2],
             runs: 1,
             error: Error::of(&shown, truth, &weights(truth)),
+            spread: 0.0,
             preset: None,
         });
     }
@@ -121,6 +122,7 @@ fn point(stored: &Stored, truth: &[f64], how: Kept) -> Point {
         x_range: [x; 2],
         runs: 1,
         error: Error::of(&lit.blended(&irradiance, places), truth, &weights(truth)),
+        spread: 0.0,
         preset: None,
     }
 }

@@ -71,7 +71,7 @@ struct Effort {
     rays: u32,
 }
 
-const EFFORT: Effort = Effort { points: 500, reference: 1e-4, rays: 1 << 20 };
+const EFFORT: Effort = Effort { points: 1000, reference: 1e-4, rays: 1 << 20 };
 /// Seconds below which fewer points must do, and so many then.
 const SHORT: f64 = 60.0;
 const FEW: usize = 64;
