@@ -10,6 +10,7 @@ fn point(setting: &str, x: f64, rms: f64, preset: Option<&str>) -> Point {
         x,
         x_range: [0.85 * x, 1.2 * x],
         runs: 3,
+        spread: 0.1 * rms,
         error: Error { rms, bias: -0.1 * rms, p99: 3.0 * rms, max: 9.0 * rms },
         preset: preset.map(str::to_owned),
     }
