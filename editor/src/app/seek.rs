@@ -98,7 +98,7 @@ impl Editor {
         if let Some(icon) = pick.icon(&through) {
             return self.found(pick, through, &[icon], ui);
         }
-        let behind = Sent::Behind(self.stage.gpu().done());
+        let behind = Sent::Behind(self.stage.renderer.drawn());
         match self.answer(&pick, &through, behind) {
             Ok(found) => self.found(pick, through, &found, ui),
             Err(sent) => self.seeking = Some(Seeking { pick, through, sent }),

@@ -108,7 +108,7 @@ fn no_picture_is_drawn_while_a_click_waits_for_the_one_before() {
     for n in 0..8 {
         window.select(&[]);
         // Another light: pictures until it has settled.
-        let lamp = window.made(|window| window.choose("Create", "Point light"));
+        let lamp = window.made(|window| window.choose("Create", "Create point light"));
         window.select(&[]);
         click(&mut window, at_left, if n % 2 == 0 { Modifiers::NONE } else { Modifiers::SHIFT });
         while window.editor().is_seeking() {

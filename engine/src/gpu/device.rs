@@ -149,11 +149,12 @@ impl Gpu {
         looked.map(drop).map_err(|error| GpuError::Lost(error.to_string()))
     }
 
-    /// True as soon as what was submitted up to now is done and [`Self::look`] or a frame has seen it.
-    pub fn done(&self) -> Arc<AtomicBool> {
+    /// True as soon as these commands, once they are submitted, are done and [`Self::look`] or a frame has seen it. (The
+    /// queue could be asked as well, but would submit first what was written since, and drivers may wait there.)
+    pub fn done(commands: &wgpu::CommandEncoder) -> Arc<AtomicBool> {
         let done = Arc::new(AtomicBool::new(false));
         let told = done.clone();
-        self.queue.on_submitted_work_done(move || told.store(true, Ordering::Release));
+        commands.on_submitted_work_done(move || told.store(true, Ordering::Release));
         done
     }
 

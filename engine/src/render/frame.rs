@@ -8,6 +8,7 @@
 
 use std::borrow::Cow;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DAffine3, Mat4, Vec3, Vec4};
@@ -125,6 +126,8 @@ pub struct Renderer {
     pub(super) settings: Settings,
     pub(super) samples: u32,
     pub timer: Timer,
+    /// The last picture is done.
+    pub(super) drawn: Arc<AtomicBool>,
     pub(super) pictures: Pictures,
     pub(super) materials: Materials,
     pub(super) meshes: Meshes,
@@ -225,6 +228,7 @@ impl Renderer {
         let renderer = Self {
             samples: settings.samples.unwrap_or_else(|| targets::most_samples(gpu_ref)),
             timer: Timer::new(gpu_ref),
+            drawn: Arc::new(AtomicBool::new(true)),
             meshes: Meshes::new(Uploads::at_most(settings.uploads)),
             still: StillBuffers::new(gpu_ref, &transport)?,
             instances: Instances::new(gpu_ref, &transport),
@@ -351,6 +355,7 @@ impl Renderer {
         drawn.draws = shadowed.draws + captured.draws + self.paint(gpu, &mut encoder, now, display);
         drawn.passes = self.timer.count();
         self.timer.resolve(&mut encoder);
+        self.drawn = Gpu::done(&encoder);
         gpu.queue.submit([encoder.finish()]);
         self.timer.sent();
         self.bounce.sent();

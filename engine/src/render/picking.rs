@@ -3,6 +3,7 @@
 
 use std::collections::{BTreeSet, HashSet};
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec4};
@@ -185,6 +186,11 @@ impl Sought {
 }
 
 impl Renderer {
+    /// True as soon as the last picture is drawn and [`Gpu::look`] or a frame has seen it.
+    pub fn drawn(&self) -> Arc<AtomicBool> {
+        self.drawn.clone()
+    }
+
     /// Asks for the entities that are seen in a rectangle of a picture of `size`, without those named. One submission;
     /// the answer is taken later.
     pub fn seek(
