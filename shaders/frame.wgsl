@@ -43,8 +43,9 @@ const ALBEDO: u32 = 4u;
 const NORMAL: u32 = 5u;
 const PATCHES: u32 = 6u;
 const DENSITY: u32 = 7u;
-const PROBES: u32 = 8u;
-const TETRAHEDRA: u32 = 9u;
+const HEADLIGHT: u32 = 8u;
+const PROBES: u32 = 9u;
+const TETRAHEDRA: u32 = 10u;
 
 /// Views that show no light are neither exposed nor bent.
 const AS_IT_IS: u32 = 0u;

@@ -4,7 +4,7 @@
 //
 // What a scene does without is not even compiled. Defined are NORMAL_MAP, MASK, BLEND and UNLIT where the material is of
 // that kind, LIGHTS where punctual lights shine, CUBEMAPS where there are any, GREY where light has one channel.
-#import hohlraum::frame::{frame, to_eye, drawn, COMPOSITE, DIRECT, INDIRECT, REFLECTION, ALBEDO, NORMAL, PROBES}
+#import hohlraum::frame::{frame, to_eye, drawn, COMPOSITE, DIRECT, INDIRECT, REFLECTION, ALBEDO, NORMAL, HEADLIGHT, PROBES}
 #import hohlraum::scene::mesh::{Still, Moving, moved, moved_normal, moved_tangent}
 #import hohlraum::scene::material::{material, base_color, metal, emission_at, is}
 #ifdef MASK
@@ -46,6 +46,8 @@ const MOST_IN_CAPTURES: f32 = 0.9;
 const LEAST_HIGHLIGHT: f32 = 0.045;
 /// What is left of the scene where it is the background of a view.
 const DIMMED: f32 = 0.3;
+/// What a light at the eye leaves of a surface that is seen edge on: floors far away are not black.
+const ASKANCE: f32 = 0.25;
 
 struct Point {
     @builtin(position) clip: vec4f,
@@ -416,14 +418,31 @@ fn picture_of(here: Surfel) -> vec4f {
 #ifdef BLEND
     alpha = select(1.0, here.alpha, is(BLENDED));
 #endif
-    if frame.view == ALBEDO || frame.view == NORMAL {
-        let plain = select(here.normal * 0.5 + 0.5, here.albedo, frame.view == ALBEDO);
-        return vec4f(plain, 1.0) * alpha;
+    if frame.view == ALBEDO || frame.view == NORMAL || frame.view == HEADLIGHT {
+        return vec4f(plain(here), 1.0) * alpha;
     }
     let radiance = radiance_of(here, alpha);
     // Behind probes and their edges.
     let share = select(1.0, DIMMED, frame.view >= PROBES);
     return vec4f(drawn(radiance.rgb * share), radiance.a);
+}
+
+/// What views show that know no light of the scene.
+fn plain(here: Surfel) -> vec3f {
+    if frame.view == ALBEDO {
+        return here.albedo;
+    }
+    if frame.view == NORMAL {
+        return here.normal * 0.5 + 0.5;
+    }
+#ifdef UNLIT
+    if is(SHINING) {
+        return here.albedo;
+    }
+#endif
+    let cosine = saturate(dot(here.normal, here.to_viewer));
+    let glow = here.emission / max(1.0, max(here.emission.r, max(here.emission.g, here.emission.b)));
+    return here.albedo * mix(ASKANCE, 1.0, cosine) + glow;
 }
 
 /// Radiance that is on its way to the eye, and what it covers: alpha thins out what leaves in all directions, and

@@ -119,6 +119,8 @@ impl Desk {
         // Panels are laid out when the window's width is known; the views are closed after that.
         desk.rest(1);
         [Pane::Scene, Pane::Game].into_iter().for_each(|pane| layout::close(&mut desk.editor.layout, pane));
+        // A driver that draws on the processor is still at those first pictures, and what is measured would share it.
+        desk.editor.stage().gpu().wait().expect("the GPU draws");
         Some(desk)
     }
 

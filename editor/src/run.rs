@@ -49,6 +49,7 @@ pub(crate) fn view(command: Command) -> Option<View> {
         Command::DrawNormal => View::Normal,
         Command::DrawPatches => View::Patches,
         Command::DrawDensity => View::Density,
+        Command::DrawHeadlight => View::Headlight,
         _ => return None,
     })
 }
@@ -62,6 +63,19 @@ pub(crate) fn pane(command: Command) -> Option<Pane> {
         Command::ShowAssets => Pane::Assets,
         Command::ShowConsole => Pane::Console,
         Command::ShowStatistics => Pane::Statistics,
+        _ => return None,
+    })
+}
+
+/// What a command closes.
+fn closed(command: Command) -> Option<Pane> {
+    Some(match command {
+        Command::CloseHierarchy => Pane::Hierarchy,
+        Command::CloseGame => Pane::Game,
+        Command::CloseInspector => Pane::Inspector,
+        Command::CloseAssets => Pane::Assets,
+        Command::CloseConsole => Pane::Console,
+        Command::CloseStatistics => Pane::Statistics,
         _ => return None,
     })
 }
@@ -96,6 +110,9 @@ impl Editor {
         }
         if let Some(pane) = pane(command) {
             return layout::reveal(&mut self.layout, pane);
+        }
+        if let Some(pane) = closed(command) {
+            return layout::close(&mut self.layout, pane);
         }
         match command {
             Command::SelectChildren | Command::Rename => self.choose(command),

@@ -247,6 +247,30 @@ fn a_hidden_wall_is_not_drawn_and_a_back_face_is_culled() {
     assert_eq!(studio.radiance_at(16, 16).x, 0.0);
 }
 
+/// A quarter of it comes from everywhere.
+#[test]
+fn a_light_at_the_eye_shows_shapes_where_the_scene_has_none() {
+    let Some(gpu) = gpu() else { return };
+    let (mut studio, mut scene) = floor_studio(gpu);
+    studio.draw(&scene, View::Composite);
+    assert_eq!(studio.radiance_at(16, 16), Vec3::ZERO);
+    studio.draw(&scene, View::Headlight);
+    close(studio.radiance_at(16, 16).x, 0.6, 2e-3);
+    let (sine, cosine) = 0.9_f32.sin_cos();
+    let tilted = DVec3::new(f64::from(sine), f64::from(cosine), 0.0) * 8.0;
+    studio.eye = Eye { projection: studio.eye.projection, ..Eye::looking(tilted, DVec3::ZERO) };
+    studio.draw(&scene, View::Headlight);
+    close(studio.radiance_at(16, 16).x, 0.6 * (0.25 + 0.75 * cosine), 2e-3);
+    // The scene's own light changes nothing, and what glows is seen to.
+    scene.entities.push(room::light(100, LightKind::Sun, PI, DVec3::Y, DVec3::ZERO));
+    studio.draw(&scene, View::Headlight);
+    close(studio.radiance_at(16, 16).x, 0.6 * (0.25 + 0.75 * cosine), 2e-3);
+    scene.materials[0].emission.color = Vec3::new(5.0, 0.0, 0.0);
+    studio.draw(&scene, View::Headlight);
+    let seen = studio.radiance_at(16, 16);
+    close(seen.x, 1.0 + seen.y, 2e-3);
+}
+
 #[test]
 fn every_view_shows_something_and_all_differ() {
     let Some(gpu) = gpu() else { return };

@@ -13,7 +13,7 @@ use engine::scene::{MeshSource, Scene, Warning, shape};
 
 use super::Editor;
 use crate::assets::{self, Place, Wish};
-use crate::importing::{CANCELLED, Ended, Imports, Order, Ready, Record, Then, load, reimport};
+use crate::importing::{Ended, Failed, Imports, Order, Ready, Record, Then, load, reimport};
 use crate::layout::{self, Pane};
 use crate::log::Source;
 use crate::watch::Changed;
@@ -146,10 +146,10 @@ impl Editor {
         let ready = match result {
             Ok(ready) => ready,
             // The user wished so: it is no error.
-            Err(error) if error == CANCELLED => {
+            Err(Failed::Cancelled) => {
                 return log.info(format!("The import of {name} was cancelled: nothing of it stays"));
             }
-            Err(error) => return log.error(Source::File(name.into()), error),
+            Err(Failed::Refused(why)) => return log.error(Source::File(name.into()), why),
         };
         log.warnings(&ready.warnings, &ready.scene);
         load::add_shared(Arc::make_mut(&mut self.assets), &ready.assets);

@@ -37,6 +37,8 @@ pub enum Category {
     Light,
     Console,
     Window,
+    /// Of panels. In no menu: there the mark before a panel is taken away.
+    Close,
 }
 
 impl Category {
@@ -54,6 +56,7 @@ impl Category {
             Self::Light => "Light",
             Self::Console => "Console",
             Self::Window => "Window",
+            Self::Close => "Close panel",
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The rows of the table, in the order of menus.
 
 use super::Category::{
-    Assets, Console, Create, Draw, Edit, File, Hierarchy, Light, Play, Tool, View, Window,
+    Assets, Close, Console, Create, Draw, Edit, File, Hierarchy, Light, Play, Tool, View, Window,
 };
 use super::Needs::{
     Asset, Authoring, Baking, Clipboard, NotBaking, Nothing, Playing, Redo, Scene, Selected, SeveralSelected,
@@ -85,6 +85,7 @@ pub enum Command {
     DrawNormal,
     DrawPatches,
     DrawDensity,
+    DrawHeadlight,
     ToggleWireframe,
     Import,
     Reimport,
@@ -116,6 +117,12 @@ pub enum Command {
     ScaleDown,
     ScaleReset,
     Shortcuts,
+    CloseHierarchy,
+    CloseGame,
+    CloseInspector,
+    CloseAssets,
+    CloseConsole,
+    CloseStatistics,
 }
 
 const fn row(
@@ -130,7 +137,7 @@ const fn row(
 }
 
 #[rustfmt::skip]
-pub const ROWS: [Row; 104] = [
+pub const ROWS: [Row; 111] = [
     row(Command::NewProject, File, "file.new_project", "New project", &[], Nothing),
     row(Command::OpenProject, File, "file.open_project", "Open project", &["Ctrl+O"], Nothing),
     row(Command::NewScene, File, "file.new_scene", "New scene", &["Ctrl+N"], Authoring),
@@ -204,6 +211,7 @@ pub const ROWS: [Row; 104] = [
     row(Command::DrawNormal, Draw, "draw.normal", "Normals", &["Alt+6"], Scene),
     row(Command::DrawPatches, Draw, "draw.patches", "Patches", &["Alt+7"], Scene),
     row(Command::DrawDensity, Draw, "draw.density", "Patch density", &["Alt+8"], Scene),
+    row(Command::DrawHeadlight, Draw, "draw.headlight", "Headlight", &["Alt+9"], Scene),
     row(Command::ToggleWireframe, Draw, "draw.wireframe", "Wireframe over the picture", &["Alt+W"], Scene),
     row(Command::Import, Assets, "assets.import", "Import", &["Ctrl+Shift+I"], Authoring),
     row(Command::Reimport, Assets, "assets.reimport", "Import again", &[], Asset),
@@ -235,4 +243,10 @@ pub const ROWS: [Row; 104] = [
     row(Command::ScaleDown, Window, "window.scale_down", "Smaller text and controls", &["Ctrl+Minus"], Nothing),
     row(Command::ScaleReset, Window, "window.scale_reset", "Usual size of text and controls", &["Ctrl+0"], Nothing),
     row(Command::Shortcuts, Window, "window.shortcuts", "Keyboard shortcuts", &["F1"], Nothing),
+    row(Command::CloseHierarchy, Close, "window.close_hierarchy", "Close hierarchy", &[], Nothing),
+    row(Command::CloseGame, Close, "window.close_game", "Close game view", &[], Nothing),
+    row(Command::CloseInspector, Close, "window.close_inspector", "Close inspector", &[], Nothing),
+    row(Command::CloseAssets, Close, "window.close_assets", "Close assets", &[], Nothing),
+    row(Command::CloseConsole, Close, "window.close_console", "Close console", &[], Nothing),
+    row(Command::CloseStatistics, Close, "window.close_statistics", "Close statistics", &[], Nothing),
 ];

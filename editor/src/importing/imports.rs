@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::{Job, Order, Ready, Stage};
+use super::{Failed, Job, Order, Ready, Stage};
 use crate::assets::Place;
 
 /// What comes after an import.
@@ -39,7 +39,7 @@ pub struct Going {
 pub struct Ended {
     pub name: String,
     pub then: Then,
-    pub result: Result<Ready, String>,
+    pub result: Result<Ready, Failed>,
 }
 
 impl Imports {

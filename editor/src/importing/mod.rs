@@ -53,8 +53,22 @@ impl Stage {
     }
 }
 
-/// What is told of an import that was to go no farther.
-pub const CANCELLED: &str = "the import was cancelled";
+/// Why nothing came of an import.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Failed {
+    /// It was to go no farther.
+    #[error("the import was cancelled")]
+    Cancelled,
+    /// Names the file.
+    #[error("{0}")]
+    Refused(String),
+}
+
+impl From<String> for Failed {
+    fn from(why: String) -> Self {
+        Self::Refused(why)
+    }
+}
 
 /// What is to be brought in, and how.
 #[derive(Clone, Default)]
@@ -75,7 +89,7 @@ pub struct Job {
     /// What is imported.
     pub source: PathBuf,
     shared: Arc<Shared>,
-    thread: Option<JoinHandle<Result<Ready, String>>>,
+    thread: Option<JoinHandle<Result<Ready, Failed>>>,
 }
 
 #[derive(Default)]
@@ -86,20 +100,20 @@ struct Shared {
 
 impl Shared {
     /// Refused when it was cancelled meanwhile.
-    fn enter(&self, stage: Stage) -> Result<(), String> {
+    fn enter(&self, stage: Stage) -> Result<(), Failed> {
         self.stage.store(stage as u8, Ordering::Relaxed);
-        if self.cancelled.load(Ordering::Relaxed) { Err(CANCELLED.to_owned()) } else { Ok(()) }
+        if self.cancelled.load(Ordering::Relaxed) { Err(Failed::Cancelled) } else { Ok(()) }
     }
 }
 
 impl Job {
     /// A file from anywhere; one that lies in the project's `assets` already is read where it is.
-    pub fn start(project: &Path, source: &Path, settings: ImportSettings) -> Result<Self, String> {
+    pub fn start(project: &Path, source: &Path, settings: ImportSettings) -> Result<Self, Failed> {
         let (project, source) = (project.to_owned(), source.to_owned());
         Self::carry_out(Order { project, source, settings: Some(settings), ..Order::default() })
     }
 
-    pub fn carry_out(order: Order) -> Result<Self, String> {
+    pub fn carry_out(order: Order) -> Result<Self, Failed> {
         let shared = Arc::new(Shared::default());
         let (source, told) = (order.source.clone(), shared.clone());
         let work = move || run(&order, &told);
@@ -118,9 +132,10 @@ impl Job {
     }
 
     /// To be called with every picture: what came of it, once. Errors name the file.
-    pub fn poll(&mut self) -> Option<Result<Ready, String>> {
+    pub fn poll(&mut self) -> Option<Result<Ready, Failed>> {
         let thread = self.thread.take_if(|thread| thread.is_finished())?;
-        let panicked = |_| Err(format!("{}: importing it failed: see the terminal", self.source.display()));
+        let told = || format!("{}: importing it failed: see the terminal", self.source.display());
+        let panicked = |_| Err(Failed::Refused(told()));
         Some(thread.join().unwrap_or_else(panicked))
     }
 }
@@ -132,7 +147,7 @@ impl Drop for Job {
     }
 }
 
-fn run(order: &Order, shared: &Shared) -> Result<Ready, String> {
+fn run(order: &Order, shared: &Shared) -> Result<Ready, Failed> {
     shared.enter(Stage::Copying)?;
     let Order { project, source, .. } = order;
     let is_picture = kind(&source.to_string_lossy()) == Kind::Picture;
@@ -149,7 +164,7 @@ fn run(order: &Order, shared: &Shared) -> Result<Ready, String> {
 }
 
 /// With the settings that were ordered; those that were there come back where it is refused.
-fn model(order: &Order, file: &str, shared: &Shared) -> Result<Ready, String> {
+fn model(order: &Order, file: &str, shared: &Shared) -> Result<Ready, Failed> {
     let path = order.project.join(file);
     let before = std::fs::read(settings::path(&path)).ok();
     if let Some(settings) = &order.settings {
@@ -167,7 +182,7 @@ fn model(order: &Order, file: &str, shared: &Shared) -> Result<Ready, String> {
     Ok(ready)
 }
 
-fn read(project: &Path, file: &str, shared: &Shared) -> Result<Ready, String> {
+fn read(project: &Path, file: &str, shared: &Shared) -> Result<Ready, Failed> {
     let told = |error: SceneError| bake::chain::told(&error);
     shared.enter(Stage::Reading)?;
     let imported = import(project, file).map_err(told)?;
@@ -180,7 +195,7 @@ fn read(project: &Path, file: &str, shared: &Shared) -> Result<Ready, String> {
 }
 
 /// A picture stands in no scene by itself: materials show it.
-fn picture(project: &Path, file: &str, shared: &Shared) -> Result<Ready, String> {
+fn picture(project: &Path, file: &str, shared: &Shared) -> Result<Ready, Failed> {
     shared.enter(Stage::Loading)?;
     let source = ImageSource { file: file.to_owned(), image: None };
     let picture = load::picture(project, &source)?;

@@ -76,9 +76,11 @@ pub fn kelvin<K: Clone, C: Clone>(
     get: impl Fn(&C) -> Vec3,
     set: impl Fn(&mut C, Vec3),
 ) {
-    let now = of
-        .shared(|component| nearest_kelvin(get(component)).map(f64::to_bits))
-        .map(|kelvin| kelvin.map(f64::from_bits));
+    // Looked for once where all have one colour: lamps can be many.
+    let now = match of.shared(&get) {
+        Some(color) => Some(nearest_kelvin(color)),
+        None => of.shared(|component| nearest_kelvin(get(component))),
+    };
     let number = Number {
         unit: Unit::Kelvin,
         speed: 10.0,

@@ -1,7 +1,9 @@
 //! Panels: named, many, and cheap.
 
 use crate::window::{Window, open};
+use editor::command::Command;
 use editor::edit::Edit;
+use editor::layout::{self, Pane};
 use editor::log::Source;
 use egui::accesskit::{Role, Toggled};
 use egui::{Key, Modifiers};
@@ -38,6 +40,26 @@ fn panels_come_and_go_by_menu_and_the_layout_is_reset() {
     window.choose("Window", "Reset layout");
     assert!(window.harness.query_by_label("GPU memory").is_none());
     assert!(window.harness.query_by_label("Scene view").is_some());
+}
+
+#[test]
+fn panels_are_closed_by_commands_of_their_names_which_take_shortcuts() {
+    let Some(mut window) = open() else { return };
+    let give = |window: &mut Window, name: &str| {
+        window.press(Modifiers::COMMAND, Key::P);
+        window.harness.event(egui::Event::Text(name.to_owned()));
+        window.settle();
+        window.press(Modifiers::NONE, Key::Enter);
+    };
+    for pane in Pane::ALL.into_iter().filter(|pane| layout::can_close(*pane)) {
+        let command = Command::by_id(&format!("window.close_{}", pane.name().to_lowercase())).unwrap();
+        give(&mut window, command.name());
+        assert!(!layout::is_open(&window.editor().layout, pane), "{}", command.name());
+    }
+    assert!(layout::is_open(&window.editor().layout, Pane::Scene));
+    assert!(Command::by_id("window.close_scene").is_none(), "the pictures of the scene stay");
+    give(&mut window, "Show inspector");
+    assert!(layout::is_open(&window.editor().layout, Pane::Inspector));
 }
 
 #[test]

@@ -3,8 +3,9 @@
 use crate::window::{Window, open};
 use editor::edit::{Edit, Field};
 use editor::intents::Intent;
+use egui::accesskit::Toggled;
 use egui::{Key, Modifiers, PointerButton, Pos2, vec2};
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use engine::render::View;
 use engine::scene::{EntityId, ReflectionProbe, Transform};
 use glam::DVec3;
@@ -128,6 +129,7 @@ fn a_right_click_lists_what_lies_under_the_mouse_after_a_flight_too() {
 fn keys_choose_what_of_the_light_the_picture_shows() {
     let Some(mut window) = open() else { return };
     let keys = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7, Key::Num8];
+    let keys = keys.into_iter().chain([Key::Num9]);
     let views = [
         View::Composite,
         View::Direct,
@@ -137,12 +139,29 @@ fn keys_choose_what_of_the_light_the_picture_shows() {
         View::Normal,
         View::Patches,
         View::Density,
+        View::Headlight,
     ];
-    for (key, view) in keys.into_iter().zip(views) {
+    for (key, view) in keys.zip(views) {
         window.press(Modifiers::ALT, key);
         assert_eq!(window.editor().scene.view, view);
         assert_eq!(window.editor().scene.picture.error, None);
     }
+}
+
+#[test]
+fn a_light_at_the_eye_is_switched_in_the_bar_and_is_a_draw_mode_among_others() {
+    let Some(mut window) = open() else { return };
+    let is_on = |window: &Window| window.node("Headlight").accesskit_node().toggled() == Some(Toggled::True);
+    assert!(!is_on(&window));
+    window.click("Headlight");
+    assert!(is_on(&window));
+    assert_eq!(window.editor().scene.view, View::Headlight);
+    assert_eq!(window.editor().scene.picture.error, None);
+    window.press(Modifiers::ALT, Key::Num5);
+    assert!(!is_on(&window));
+    window.press(Modifiers::ALT, Key::Num9);
+    window.click("Headlight");
+    assert_eq!(window.editor().scene.view, View::Composite);
 }
 
 #[test]

@@ -22,6 +22,8 @@ pub enum View {
     Patches,
     /// Patches by size.
     Density,
+    /// As a white light at the eye shows it, whatever light the scene has.
+    Headlight,
     /// Light probes as spheres in their own light.
     Probes,
     /// The tetrahedra between light probes.
@@ -29,7 +31,7 @@ pub enum View {
 }
 
 impl View {
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Composite,
         Self::Direct,
         Self::Indirect,
@@ -38,6 +40,7 @@ impl View {
         Self::Normal,
         Self::Patches,
         Self::Density,
+        Self::Headlight,
         Self::Probes,
         Self::Tetrahedra,
     ];
@@ -52,6 +55,7 @@ impl View {
             Self::Normal => "normal",
             Self::Patches => "patches",
             Self::Density => "density",
+            Self::Headlight => "headlight",
             Self::Probes => "probes",
             Self::Tetrahedra => "tetrahedra",
         }

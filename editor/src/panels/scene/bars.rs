@@ -53,9 +53,10 @@ impl SceneView {
     /// What the picture shows, and from where.
     pub(super) fn controls(&mut self, ui: &mut Ui, rect: Rect) {
         let corner = rect.min + vec2(8.0, 8.0);
-        let place = bar(ui, corner, 260.0, |ui| {
+        let place = bar(ui, corner, 290.0, |ui| {
             ui.spacing_mut().item_spacing.x = 2.0;
             self.choose_view(ui);
+            self.headlight(ui);
             let lines = "Lines on the ground (G)";
             if icons::button(ui, Icon::Grid, "Grid", lines, !self.hide_grid).clicked() {
                 self.hide_grid ^= true;
@@ -82,6 +83,15 @@ impl SceneView {
         }
     }
 
+    /// A scene that has no light yet is black in its own.
+    fn headlight(&mut self, ui: &mut Ui) {
+        let is_on = self.view == View::Headlight;
+        let tooltip = "A light at the eye instead of the scene's, which may be dark (Alt+9)";
+        if icons::button(ui, Icon::Sun, "Headlight", tooltip, is_on).clicked() {
+            self.view = if is_on { View::Composite } else { View::Headlight };
+        }
+    }
+
     fn choose_view(&mut self, ui: &mut Ui) {
         let name = |view: View| {
             let name = view.name();
@@ -94,7 +104,7 @@ impl SceneView {
             .show_ui(ui, |ui| {
                 for (number, view) in View::ALL.into_iter().enumerate() {
                     // As many as the table of commands has.
-                    let shortcut = if number < 8 { format!("Alt+{}", number + 1) } else { String::new() };
+                    let shortcut = if number < 9 { format!("Alt+{}", number + 1) } else { String::new() };
                     let button =
                         egui::Button::selectable(self.view == view, name(view)).shortcut_text(shortcut);
                     if ui.add(button).clicked() {
