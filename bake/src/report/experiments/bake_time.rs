@@ -32,7 +32,7 @@ const LENGTHS: usize = 4;
 /// With which every patch length is baked before anything is refined.
 const FEW_RAYS: u32 = 256;
 /// At most so much of what is left goes into one bake that refines.
-const LARGE: f64 = 0.5;
+const LARGE: f64 = 0.8;
 /// Runs of a preset's bake, where there is time.
 const RUNS: usize = 3;
 

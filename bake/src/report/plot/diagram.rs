@@ -1,7 +1,7 @@
 //! A work-precision diagram: cost along x, error along y, both logarithmic.
 //!
 //! One line and marker a method; what nothing beats as a pale staircase below; floors dashed; shipped presets ringed and
-//! named. An error of 0 has no logarithm: it lies on a rail of its own at the bottom.
+//! named. Whiskers: least and largest of a point's runs along x, the standard error of its rms along y. An error of 0 has no logarithm: it lies on a rail of its own at the bottom.
 
 use super::super::front::{Front, is_measured, place};
 use super::super::model::{Diagram, Point, Series};
@@ -83,7 +83,7 @@ impl Frame {
         let (low, high) = (medians().fold(f64::MAX, f64::min), medians().fold(0.0, f64::max));
         let whiskers = points.iter().flat_map(|(point, _)| point.x_range);
         let whiskers = whiskers.map(|x| x.max(low / WHISKER).min(high * WHISKER));
-        let errors = points.iter().map(|(_, at)| at[1]);
+        let errors = points.iter().flat_map(|(point, at)| within_error(point, at[1]));
         let floors = diagram.floors.iter().map(|floor| floor.y);
         Self {
             x: Scale::of(medians().chain(whiskers), [LEFT, RIGHT]),
@@ -174,27 +174,47 @@ fn staircase(sheet: &mut Sheet, diagram: &Diagram, frame: &Frame) {
 }
 
 fn curve(sheet: &mut Sheet, diagram: &Diagram, series: &Series, k: usize, frame: &Frame, taken: &mut Taken) {
-    let placed = |point: &Point| {
-        let at = frame.at(place(diagram, point))?;
-        is_measured(&place(diagram, point)).then_some((at, point.x_range))
+    let placed = |point| {
+        let at = place(diagram, point);
+        let errors = within_error(point, at[1]);
+        is_measured(&at).then_some((frame.at(at)?, (point.x_range, errors)))
     };
-    let placed: Vec<(At, [f64; 2])> = series.points.iter().filter_map(placed).collect();
+    let placed: Vec<(At, ([f64; 2], [f64; 2]))> = series.points.iter().filter_map(placed).collect();
     let line: Vec<At> = placed.iter().map(|(at, _)| *at).collect();
     taken.add_line(&line);
     if line.len() > 1 {
         sheet.line(&line, color(k), 2.5);
     }
-    for (at, range) in placed {
-        if let [Some(from), Some(to)] = range.map(|x| frame.x.at(x))
-            && to - from > 2.0
-        {
-            let [from, to] = [from, to].map(|x| x.clamp(LEFT, RIGHT));
-            sheet.line(&[[from, at[1]], [to, at[1]]], color(k), 1.0);
-            [from, to]
-                .iter()
-                .for_each(|x| sheet.line(&[[*x, at[1] - 4.0], [*x, at[1] + 4.0]], color(k), 1.0));
+    for (at, (costs, errors)) in placed {
+        if let [Some(from), Some(to)] = costs.map(|x| frame.x.at(x)) {
+            let [from, to] = [from, to].map(|x| [x.clamp(LEFT, RIGHT), at[1]]);
+            whisker(sheet, from, to, color(k));
+        }
+        if let [Some(from), Some(to)] = errors.map(|y| frame.y.at(y)) {
+            let [from, to] = [from, to].map(|y| [at[0], y.clamp(frame.top, BOTTOM)]);
+            whisker(sheet, from, to, color(k));
         }
         marker(sheet, at, k, 5.0, color(k));
+    }
+}
+
+/// An error and its standard error: from, to.
+fn within_error(point: &Point, error: f64) -> [f64; 2] {
+    [error - point.spread, error + point.spread]
+}
+
+/// With an end across; what is hidden by the marker is not drawn.
+fn whisker(sheet: &mut Sheet, from: At, to: At, color: Color) {
+    let along = [to[0] - from[0], to[1] - from[1]];
+    let length = along[0].hypot(along[1]);
+    if length <= 2.0 {
+        return;
+    }
+    let across = [-4.0 * along[1] / length, 4.0 * along[0] / length];
+    sheet.line(&[from, to], color, 1.0);
+    for end in [from, to] {
+        let ends = [1.0, -1.0].map(|sign| [end[0] + sign * across[0], end[1] + sign * across[1]]);
+        sheet.line(&ends, color, 1.0);
     }
 }
 
