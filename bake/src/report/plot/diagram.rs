@@ -177,15 +177,15 @@ fn curve(sheet: &mut Sheet, diagram: &Diagram, series: &Series, k: usize, frame:
     let placed = |point| {
         let at = place(diagram, point);
         let errors = within_error(point, at[1]);
-        is_measured(&at).then_some((frame.at(at)?, (point.x_range, errors)))
+        is_measured(&at).then_some([frame.at(at)?, point.x_range, errors])
     };
-    let placed: Vec<(At, ([f64; 2], [f64; 2]))> = series.points.iter().filter_map(placed).collect();
-    let line: Vec<At> = placed.iter().map(|(at, _)| *at).collect();
+    let placed: Vec<[[f64; 2]; 3]> = series.points.iter().filter_map(placed).collect();
+    let line: Vec<At> = placed.iter().map(|[at, ..]| *at).collect();
     taken.add_line(&line);
     if line.len() > 1 {
         sheet.line(&line, color(k), 2.5);
     }
-    for (at, (costs, errors)) in placed {
+    for [at, costs, errors] in placed {
         if let [Some(from), Some(to)] = costs.map(|x| frame.x.at(x)) {
             let [from, to] = [from, to].map(|x| [x.clamp(LEFT, RIGHT), at[1]]);
             whisker(sheet, from, to, color(k));
