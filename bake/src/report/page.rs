@@ -199,7 +199,7 @@ fn curves(told: &Told) -> Markup {
     html! {
         @if !curves.is_empty() {
             h2 { "The curves and their floors" }
-            p { (sentences::of_curves(&told.trends)) " A rise, or what is left above a floor, counts where it is more than the standard error of the rms over the evaluation points." }
+            p { (sentences::of_curves(&told.trends)) " A rise counts where it is more than the standard error of the rms over the evaluation points." }
             details {
                 summary { "All curves" }
                 div.wide {
