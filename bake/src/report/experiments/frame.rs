@@ -19,8 +19,9 @@ use crate::report::model::{Axis, Diagram, Error, Floor, Norm, Point, Series};
 use crate::report::player::{Played, Swept};
 use crate::{BakeError, Watcher};
 
-/// Runs of which the median is taken.
+/// Runs of which the median is taken; more of the runtime's, which last milliseconds.
 const RUNS: usize = 3;
+const RUNS_OF_RUNTIME: usize = 9;
 /// Products at which methods are looked at: powers of two up to this.
 const MOST: u32 = 4096;
 /// No iterate that is nearer than this, of the largest B, is followed further.
@@ -55,14 +56,21 @@ pub fn diagrams(
     let runtime = Runtime::new(&system, gain);
     let mut series = vec![by_product(problem, &runtime), by_tolerance(problem, &runtime)];
     watcher.advance(1, 0);
-    for (k, method) in Method::all().into_iter().enumerate() {
+    // Southwell's looks at every patch it shoots from: it has the last turn, and with it what the others did not use.
+    let mut turns = Method::all();
+    turns.sort_by_key(|method| *method == Method::Southwell);
+    let mut of_methods = Vec::new();
+    for (k, method) in turns.into_iter().enumerate() {
         if watcher.cancelled() {
             return Err(BakeError::Cancelled);
         }
-        let part = budget.part(1.0 / (Method::all().len() - k) as f64);
-        series.push(of_method(problem, &channels, method, &part));
+        let part = budget.part(1.0 / (turns.len() - k) as f64);
+        of_methods.push((method, of_method(problem, &channels, method, &part)));
         watcher.advance(1, 0);
     }
+    let place = |method: Method| Method::all().into_iter().position(|one| one == method);
+    of_methods.sort_by_key(|(method, _)| place(*method));
+    series.extend(of_methods.into_iter().map(|(_, series)| series));
     series.retain(|series| !series.points.is_empty());
     let floors = vec![Floor { name: "rounding of f32, eps w".to_owned(), y: ROUNDING * gain }];
     let on_gpu = played.and_then(|played| on_gpu(problem, played, &runtime, floors.clone()));
@@ -231,7 +239,7 @@ fn run(
     let e: Vec<Vec3> = problem.e.iter().map(|e| e.as_vec3()).collect();
     let mut times = Vec::new();
     let mut b = Vec::new();
-    for _ in 0..=RUNS {
+    for _ in 0..=RUNS_OF_RUNTIME {
         b = e.clone();
         let started = Instant::now();
         let mut measured = runtime.frame(&e, &mut b, 0, 0);

@@ -86,7 +86,7 @@ const FOR_MATRIX: f64 = 0.4;
 const FOR_TRUTH: f64 = 0.5;
 const FOR_STIFF_TRUTH: f64 = 0.65;
 const FOR_LAG: f64 = 0.35;
-const FOR_FRAME: f64 = 0.35;
+const FOR_FRAME: f64 = 0.5;
 const FOR_BYTES: f64 = 0.5;
 const FOR_RAW: f64 = 0.8;
 /// Of what is left for bakes: the matrix reference of the longest patches, whose layout a bake with so few rays tells.
