@@ -1,6 +1,7 @@
 //! What a report holds: plain data, from which tables, plots and the page are made.
 
 use engine::transport::Certificate;
+use glam::DVec3;
 use serde::Serialize;
 
 /// Everything that one run found.
@@ -143,6 +144,8 @@ pub struct Split {
     pub parts: Vec<Part>,
     /// What the player shows against the reference, measured by itself.
     pub total: Error,
+    /// The places that have most of its squares, the worst first.
+    pub worst: Vec<WorstPlace>,
     /// rms of (sum of the parts' fields - the total's field) over the rms of the total's field.
     pub unexplained: f64,
     pub seeds: Seeds,
@@ -196,6 +199,21 @@ pub struct Part {
     pub left_out: Option<String>,
     /// A field of its own, at other places: it stands beside the sum.
     pub is_apart: bool,
+}
+
+/// An evaluation point where much of the error is: there patches want to be shorter.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct WorstPlace {
+    /// World space [m].
+    pub position: DVec3,
+    pub normal: DVec3,
+    /// Irradiance, mean of the channels [W/m2].
+    pub shown: f64,
+    pub reference: f64,
+    /// Of the squares of all points.
+    pub share: f64,
+    /// Which part of the split is largest here.
+    pub part: String,
 }
 
 /// What to change, and what that brings, from measured points.

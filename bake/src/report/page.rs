@@ -2,6 +2,7 @@
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
+use glam::DVec3;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::ReportSettings;
@@ -97,6 +98,27 @@ fn split(split: &Split, plot: Option<&Plot>) -> Markup {
             }
         }
         @for sentence in sentences::of_sum(split) { p { (sentence) } }
+        @if !split.worst.is_empty() { (worst(split)) }
+    }
+}
+
+fn worst(split: &Split) -> Markup {
+    let metres = |place: DVec3| format!("{:.3}, {:.3}, {:.3}", place.x, place.y, place.z);
+    html! {
+        p { (sentences::of_worst(split)) }
+        div.wide {
+            table {
+                thead { tr { th { "place, m" } th { "normal" } th.n { "shown, W/m\u{b2}" } th.n { "reference, W/m\u{b2}" } th.n { "of all squares" } th { "mostly" } } }
+                tbody {
+                    @for place in &split.worst {
+                        tr {
+                            td { (metres(place.position)) } td { (metres(place.normal)) }
+                            td.n { (plain(place.shown)) } td.n { (plain(place.reference)) } td.n { (share(place.share)) } td { (place.part) }
+                        }
+                    }
+                }
+            }
+        }
     }
 }
 

@@ -76,6 +76,16 @@ pub fn of_sum(split: &Split) -> Vec<String> {
     ]
 }
 
+/// Where the error is.
+pub fn of_worst(split: &Split) -> String {
+    let of_all = split.worst.iter().map(|place| place.share).sum();
+    format!(
+        "{} of the total's squares lie at these places, each of them one point of many: shorter patches around them \
+         (the brush of the editor) mend most for the time they take.",
+        share(of_all)
+    )
+}
+
 /// How many curves reach their floors, and which do not.
 pub fn of_curves(trends: &[Trend]) -> String {
     let (good, bad): (Vec<&Trend>, Vec<&Trend>) =

@@ -116,7 +116,7 @@ fn run(
     let stiff = frame::largest_gain(&lit) > STIFF;
     let count = if stiff { effort.points.min(FEW) } else { effort.points };
     let points = points_of(opened, count, notes);
-    let seen = Seen::new(&lit, lit.places(&points));
+    let seen = Seen::new(&lit, &points);
     let exactly = seen.exactly(opened, &others.part(FOR_MATRIX), watcher, notes)?;
     let for_truth = others.part(if stiff { FOR_STIFF_TRUTH } else { FOR_TRUTH });
     let truth = truth::trace(opened, &points, effort.reference, &for_truth, watcher)?;
@@ -231,6 +231,7 @@ fn shipped(transport: &Transport) -> Recipe {
 /// The shipped bake under the scene's light, and where it is looked at.
 struct Seen<'a> {
     lit: &'a Lit<'a>,
+    points: &'a [Point],
     places: Vec<Option<Place>>,
     /// From punctual lights, by patch: as shipped, and from many samples.
     direct: Vec<Vec3>,
@@ -240,13 +241,14 @@ struct Seen<'a> {
 }
 
 impl<'a> Seen<'a> {
-    fn new(lit: &'a Lit<'a>, places: Vec<Option<Place>>) -> Self {
+    fn new(lit: &'a Lit<'a>, points: &'a [Point]) -> Self {
+        let places = lit.places(points);
         let rows = &lit.transport.patch_from_patch;
         let direct = lit.direct(&lit.lights);
         let direct_exactly = lit.direct_from(&lit.lights, MANY_SAMPLES);
         let e = lit.e(rows, &direct);
         let exact = lit.solve(rows, &e);
-        Self { lit, places, direct, direct_exactly, e, exact }
+        Self { lit, points, places, direct, direct_exactly, e, exact }
     }
 
     fn exactly(
@@ -314,6 +316,7 @@ impl<'a> Seen<'a> {
         };
         let chain = Chain {
             lit: self.lit,
+            points: self.points,
             places: &self.places,
             direct_exactly: &self.direct_exactly,
             exact: &self.exact,

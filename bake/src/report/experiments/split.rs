@@ -19,12 +19,15 @@ use super::bytes::radiosity;
 use super::lit::{Lit, difference, weights};
 use super::matrix::Exactly;
 use super::truth::Truth;
+use crate::Point;
 use crate::query::Place;
-use crate::report::model::{Error, Part, Seeds, Split};
+use crate::report::model::{Error, Part, Seeds, Split, WorstPlace};
 use crate::report::player::GpuLight;
 
 /// Places on a patch where direct light is taken for the truth.
 pub const MANY_SAMPLES: u32 = 256;
+/// Places that are named.
+const WORST: usize = 5;
 
 /// One field of the chain, or why it is missing.
 struct Link {
@@ -38,6 +41,7 @@ struct Link {
 /// What the chain is made of.
 pub struct Chain<'a> {
     pub lit: &'a Lit<'a>,
+    pub points: &'a [Point],
     pub places: &'a [Option<Place>],
     /// From punctual lights, by patch, from many samples.
     pub direct_exactly: &'a [Vec3],
@@ -53,13 +57,16 @@ pub struct Chain<'a> {
 
 impl Chain<'_> {
     pub fn split(&self) -> Split {
-        let (parts, sum) = self.parts();
+        let (parts, fields) = self.parts();
+        let mut sum = vec![0.0; self.truth.field.len()];
+        fields.iter().for_each(|(_, field)| sum.iter_mut().zip(field).for_each(|(sum, e)| *sum += e));
         let shown = self.shown();
         let total = difference(&shown, &self.truth.field);
         Split {
             about: self.about(),
             unexplained: missing(&sum, &total),
             seeds: self.seeds(&sum, &shown, &total),
+            worst: self.worst(&fields, &shown, &total),
             parts,
             total: self.error(&total),
             reference_error: self.truth.standard_error,
@@ -88,10 +95,32 @@ impl Chain<'_> {
         }
     }
 
-    /// Of all links, and the sum of their fields.
-    fn parts(&self) -> (Vec<Part>, Vec<f64>) {
+    fn worst(&self, parts: &[(&str, Vec<f64>)], shown: &[f64], total: &[f64]) -> Vec<WorstPlace> {
+        let n = self.points.len();
+        let squares = |field: &[f64], k: usize| (0..3).map(|c| field[c * n + k].powi(2)).sum::<f64>();
+        let mean = |field: &[f64], k: usize| (0..3).map(|c| field[c * n + k]).sum::<f64>() / 3.0;
+        let all: f64 = (0..n).map(|k| squares(total, k)).sum();
+        let mut order: Vec<usize> = (0..n).filter(|&k| squares(total, k) > 0.0).collect();
+        order.sort_by(|&a, &b| squares(total, b).total_cmp(&squares(total, a)));
+        let place = |&k: &usize| {
+            let largest =
+                parts.iter().max_by(|(_, a), (_, b)| squares(a, k).total_cmp(&squares(b, k)));
+            WorstPlace {
+                position: self.points[k].position,
+                normal: self.points[k].normal,
+                shown: mean(shown, k),
+                reference: mean(&self.truth.field, k),
+                share: squares(total, k) / all,
+                part: largest.map(|(part, _)| (*part).to_owned()).unwrap_or_default(),
+            }
+        };
+        order.iter().take(WORST).map(place).collect()
+    }
+
+    /// Of all links, and the fields of those that were measured.
+    fn parts(&self) -> (Vec<Part>, Vec<(&'static str, Vec<f64>)>) {
         let mut parts = Vec::new();
-        let mut sum = vec![0.0; self.truth.field.len()];
+        let mut fields = Vec::new();
         let mut last: Option<(&str, Vec<f64>)> = None;
         for Link { part, what, field } in self.links() {
             let mut found = Part { name: part.to_owned(), ..Part::default() };
@@ -105,13 +134,13 @@ impl Chain<'_> {
                     let e = difference(from, &field);
                     found.compared = format!("{before} against {what}");
                     found.error = self.error(&e);
-                    sum.iter_mut().zip(&e).for_each(|(sum, e)| *sum += e);
+                    fields.push((part, e));
                     last = Some((what, field));
                 }
             }
             parts.push(found);
         }
-        (parts, sum)
+        (parts, fields)
     }
 
     fn error(&self, field: &[f64]) -> Error {
