@@ -103,8 +103,7 @@ impl Chain<'_> {
         let mut order: Vec<usize> = (0..n).filter(|&k| squares(total, k) > 0.0).collect();
         order.sort_by(|&a, &b| squares(total, b).total_cmp(&squares(total, a)));
         let place = |&k: &usize| {
-            let largest =
-                parts.iter().max_by(|(_, a), (_, b)| squares(a, k).total_cmp(&squares(b, k)));
+            let largest = parts.iter().max_by(|(_, a), (_, b)| squares(a, k).total_cmp(&squares(b, k)));
             WorstPlace {
                 position: self.points[k].position,
                 normal: self.points[k].normal,
