@@ -201,7 +201,7 @@ pub struct Part {
     pub is_apart: bool,
 }
 
-/// An evaluation point where much of the error is: there patches want to be shorter.
+/// An evaluation point where much of the error is.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct WorstPlace {
     /// World space [m].

@@ -80,8 +80,8 @@ pub fn of_sum(split: &Split) -> Vec<String> {
 pub fn of_worst(split: &Split) -> String {
     let of_all = split.worst.iter().map(|place| place.share).sum();
     format!(
-        "{} of the total's squares lie at these places, each of them one point of many: shorter patches around them \
-         (the brush of the editor) mend most for the time they take.",
+        "{} of the squares of the total lie at these places, each of them one point of many. Where it is discretisation or \
+         reconstruction, the density brush of the editor makes patches and receivers finer there alone.",
         share(of_all)
     )
 }

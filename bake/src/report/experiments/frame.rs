@@ -56,21 +56,18 @@ pub fn diagrams(
     let runtime = Runtime::new(&system, gain);
     let mut series = vec![by_product(problem, &runtime), by_tolerance(problem, &runtime)];
     watcher.advance(1, 0);
-    // Southwell's looks at every patch it shoots from: it has the last turn, and with it what the others did not use.
+    // Southwell's looks through all patches for every one that it shoots from, and takes longest: it has the last turn,
+    // and with it the time that the others did not use.
     let mut turns = Method::all();
     turns.sort_by_key(|method| *method == Method::Southwell);
-    let mut of_methods = Vec::new();
     for (k, method) in turns.into_iter().enumerate() {
         if watcher.cancelled() {
             return Err(BakeError::Cancelled);
         }
         let part = budget.part(1.0 / (turns.len() - k) as f64);
-        of_methods.push((method, of_method(problem, &channels, method, &part)));
+        series.push(of_method(problem, &channels, method, &part));
         watcher.advance(1, 0);
     }
-    let place = |method: Method| Method::all().into_iter().position(|one| one == method);
-    of_methods.sort_by_key(|(method, _)| place(*method));
-    series.extend(of_methods.into_iter().map(|(_, series)| series));
     series.retain(|series| !series.points.is_empty());
     let floors = vec![Floor { name: "rounding of f32, eps w".to_owned(), y: ROUNDING * gain }];
     let on_gpu = played.and_then(|played| on_gpu(problem, played, &runtime, floors.clone()));

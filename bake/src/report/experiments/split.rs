@@ -66,7 +66,7 @@ impl Chain<'_> {
             about: self.about(),
             unexplained: missing(&sum, &total),
             seeds: self.seeds(&sum, &shown, &total),
-            worst: self.worst(&fields, &shown, &total),
+            worst: worst(self.points, &fields, &shown, &self.truth.field),
             parts,
             total: self.error(&total),
             reference_error: self.truth.standard_error,
@@ -93,27 +93,6 @@ impl Chain<'_> {
             noise: (sum / apart.len().max(1) as f64).sqrt() / size,
             spread: if sum > 0.0 { (2.0 * (1.0 + 1.0 / 15.0) * squares).sqrt() / sum } else { 0.0 },
         }
-    }
-
-    fn worst(&self, parts: &[(&str, Vec<f64>)], shown: &[f64], total: &[f64]) -> Vec<WorstPlace> {
-        let n = self.points.len();
-        let squares = |field: &[f64], k: usize| (0..3).map(|c| field[c * n + k].powi(2)).sum::<f64>();
-        let mean = |field: &[f64], k: usize| (0..3).map(|c| field[c * n + k]).sum::<f64>() / 3.0;
-        let all: f64 = (0..n).map(|k| squares(total, k)).sum();
-        let mut order: Vec<usize> = (0..n).filter(|&k| squares(total, k) > 0.0).collect();
-        order.sort_by(|&a, &b| squares(total, b).total_cmp(&squares(total, a)));
-        let place = |&k: &usize| {
-            let largest = parts.iter().max_by(|(_, a), (_, b)| squares(a, k).total_cmp(&squares(b, k)));
-            WorstPlace {
-                position: self.points[k].position,
-                normal: self.points[k].normal,
-                shown: mean(shown, k),
-                reference: mean(&self.truth.field, k),
-                share: squares(total, k) / all,
-                part: largest.map(|(part, _)| (*part).to_owned()).unwrap_or_default(),
-            }
-        };
-        order.iter().take(WORST).map(place).collect()
     }
 
     /// Of all links, and the fields of those that were measured.
@@ -209,6 +188,34 @@ impl Chain<'_> {
     }
 }
 
+/// The places that have most of the squares of what is shown against the reference, and the largest part there.
+fn worst(
+    points: &[Point],
+    parts: &[(&'static str, Vec<f64>)],
+    shown: &[f64],
+    reference: &[f64],
+) -> Vec<WorstPlace> {
+    let n = points.len();
+    let at = |field: &[f64], k: usize| DVec3::from_array(std::array::from_fn(|c| field[c * n + k]));
+    let squares: Vec<f64> = (0..n).map(|k| (at(shown, k) - at(reference, k)).length_squared()).collect();
+    let all: f64 = squares.iter().sum();
+    let mut order: Vec<usize> = (0..n).filter(|&k| squares[k] > 0.0).collect();
+    order.sort_by(|&a, &b| squares[b].total_cmp(&squares[a]));
+    let place = |&k: &usize| {
+        let size = |(_, field): &&(&str, Vec<f64>)| at(field, k).length_squared();
+        let largest = parts.iter().max_by(|a, b| size(a).total_cmp(&size(b)));
+        WorstPlace {
+            position: points[k].position,
+            normal: points[k].normal,
+            shown: at(shown, k).element_sum() / 3.0,
+            reference: at(reference, k).element_sum() / 3.0,
+            share: squares[k] / all,
+            part: largest.map_or(String::new(), |(part, _)| (*part).to_owned()),
+        }
+    };
+    order.iter().take(WORST).map(place).collect()
+}
+
 /// H = G B as a GPU adds it up: in f32, entry by entry.
 fn gathered_in_f32(transport: &Transport, values: &[DVec3]) -> Vec<DVec3> {
     let values: Vec<Vec3> = values.iter().map(|value| value.as_vec3()).collect();
@@ -226,4 +233,38 @@ fn missing(found: &[f64], wanted: &[f64]) -> f64 {
 
 fn rms(field: &[f64]) -> f64 {
     (field.iter().map(|e| e * e).sum::<f64>() / field.len().max(1) as f64).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Channel after channel, the same in all three.
+    fn grey(values: &[f64]) -> Vec<f64> {
+        values.repeat(3)
+    }
+
+    #[test]
+    fn the_worst_places_come_first_with_their_share_and_their_largest_part() {
+        let at = |x: f64| Point { position: DVec3::X * x, normal: DVec3::Y };
+        let points: Vec<Point> = (0..8).map(|k| at(f64::from(k))).collect();
+        let reference = grey(&[1.0; 8]);
+        // Squares 0, 1, 9, 0, 4, 0, 2, 0 of 16.
+        let off = [0.0, 1.0, -3.0, 0.0, 2.0, 0.0, 2.0_f64.sqrt(), 0.0];
+        let shown = grey(&off.map(|off| 1.0 + off));
+        let patches = grey(&off.map(|off| if off < 0.0 { off } else { 0.1 }));
+        let rays = grey(&off.map(|off| if off < 0.0 { 0.0 } else { off - 0.1 }));
+        let found = worst(&points, &[("patches", patches), ("rays", rays)], &shown, &reference);
+        let told: Vec<(f64, &str)> =
+            found.iter().map(|place| (place.position.x, place.part.as_str())).collect();
+        assert_eq!(told, [(2.0, "patches"), (4.0, "rays"), (6.0, "rays"), (1.0, "rays")]);
+        for (place, squares) in found.iter().zip([9.0, 4.0, 2.0, 1.0]) {
+            assert!((place.share - squares / 16.0).abs() < 1e-12, "{place:?}");
+        }
+        assert_eq!((found[0].shown, found[0].reference), (-2.0, 1.0));
+        let many: Vec<f64> = (0..8).map(f64::from).collect();
+        assert_eq!(worst(&points, &[], &grey(&many), &reference).len(), WORST);
+        assert!(worst(&points, &[], &reference, &reference).is_empty());
+        assert!(worst(&[], &[], &[], &[]).is_empty());
+    }
 }

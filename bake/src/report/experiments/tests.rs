@@ -146,21 +146,13 @@ fn a_lamp_in_a_corner_fills_all_diagrams_and_its_errors_fall() {
     assert!(named("discretisation").error.rms > 0.0 && named("form factors").left_out.is_none());
     assert!(named("GPU").left_out.is_some() && named("lag").left_out.is_some());
     assert!(measured.split.unexplained < 0.01, "{}", measured.split.unexplained);
+    let worst = &measured.split.worst;
+    assert!(
+        !worst.is_empty() && worst.iter().all(|place| named(&place.part).left_out.is_none()),
+        "{worst:?}"
+    );
     let seeds = measured.split.seeds;
     assert!(measured.split.adds_up() && seeds.missed > 0.0 && seeds.noise > 0.0, "{seeds:?}");
-}
-
-#[test]
-fn the_worst_places_come_first_and_have_no_more_than_all_of_the_error() {
-    let measured = measure(&setup(corner()));
-    let (worst, total) = (&measured.split.worst, measured.split.total.rms);
-    assert!(!worst.is_empty() && total > 0.0);
-    assert!(worst.windows(2).all(|pair| pair[0].share >= pair[1].share), "{worst:?}");
-    assert!(worst.iter().map(|place| place.share).sum::<f64>() <= 1.0 + 1e-12, "{worst:?}");
-    for place in worst {
-        assert!(place.position.is_finite() && (place.normal.length() - 1.0).abs() < 1e-6, "{place:?}");
-        assert!(measured.split.parts.iter().any(|part| part.name == place.part), "{place:?}");
-    }
 }
 
 #[test]
