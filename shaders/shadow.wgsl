@@ -16,13 +16,13 @@ struct Point {
     @builtin(position) clip: vec4f,
     @location(0) uv: vec4f,
     @location(1) color: vec4f,
-    /// Whole texels, another shift for each triangle: two sheets of glass do not let the same texels through.
-    @location(2) @interpolate(flat) shift: vec2f,
+    /// Another one for each triangle: two sheets of glass do not let the same texels through.
+    @location(2) @interpolate(flat) sheet: u32,
 }
 
 @vertex
 fn still(@location(0) position: vec3f, @location(3) uv: vec4f, @location(4) color: vec4f) -> Point {
-    return Point(view.clip_from_world * vec4f(position, 1.0), uv, color, shift_of(position));
+    return Point(view.clip_from_world * vec4f(position, 1.0), uv, color, sheet_of(position));
 }
 
 @vertex
@@ -35,40 +35,52 @@ fn moving(
     @location(11) row_z: vec4f,
 ) -> Point {
     let world = moved(position, row_x, row_y, row_z);
-    return Point(view.clip_from_world * vec4f(world, 1.0), uv, color, shift_of(position));
+    return Point(view.clip_from_world * vec4f(world, 1.0), uv, color, sheet_of(position));
 }
 
 #ifdef HOLES
 @fragment
-fn holes(point: Point) {
+fn holes(point: Point, @builtin(front_facing) front: bool) {
     let alpha = base_color(point.uv, point.color).a;
     if is(MASKED) {
-        if alpha < threshold(point) {
+        if alpha < threshold(point, front) {
             discard;
         }
-    } else if is(BLENDED) && alpha <= dither(point.clip.xy + point.shift) {
+    } else if is(BLENDED) && alpha <= dither(point, front) {
         discard;
     }
 }
 #endif
 
 #ifdef HOLES
+/// Interleaved gradient noise (Jimenez 2014): every neighbourhood holds all thresholds. Along the same line of texels two
+/// such patterns would go together, whatever lies between them: the two sides of a pane have lines that cross, so that
+/// the share that both let through is the product of theirs, and panes are shifted and mirrored at random.
+fn dither(point: Point, front: bool) -> f32 {
+    let shift = vec2f(f32(point.sheet & 63u), f32((point.sheet >> 6u) & 63u));
+    let mirror = select(1.0, -1.0, (point.sheet & 4096u) != 0u);
+    let at = (point.clip.xy + shift) * vec2f(1.0, mirror);
+    let across = select(at.yx, at, front);
+    return fract(52.9829189 * fract(dot(across, vec2f(0.06711056, 0.00583715))));
+}
+
 /// The mask's own where it is seen sharply. Where a texel of the map covers several of the picture, alpha is a mean, the
 /// share that is solid, and so many texels are to block.
-fn threshold(point: Point) -> f32 {
+fn threshold(point: Point, front: bool) -> f32 {
     let texels = mapped(material.base_map, point.uv) * vec2f(textureDimensions(base_picture));
     let covered = max(length(dpdx(texels)), length(dpdy(texels)));
-    return mix(material.cutoff, dither(point.clip.xy + point.shift), saturate(log2(max(covered, 1.0))));
+    return mix(material.cutoff, dither(point, front), saturate(log2(max(covered, 1.0))));
 }
 #endif
 
-/// Interleaved gradient noise (Jimenez 2014): every neighbourhood holds all thresholds.
-fn dither(at: vec2f) -> f32 {
-    return fract(52.9829189 * fract(dot(at, vec2f(0.06711056, 0.00583715))));
+/// A hash of 32 bits (PCG, O'Neill 2014), the same on every GPU.
+fn sheet_of(position: vec3f) -> u32 {
+    let bits = bitcast<vec3u>(position);
+    return hashed(bits.x + hashed(bits.y + hashed(bits.z)));
 }
 
-fn shift_of(position: vec3f) -> vec2f {
-    let a = fract(sin(dot(position, vec3f(12.9898, 78.233, 37.719))) * 43758.547);
-    let b = fract(sin(dot(position, vec3f(39.3468, 11.135, 83.155))) * 24634.634);
-    return floor(vec2f(a, b) * 64.0);
+fn hashed(seed: u32) -> u32 {
+    let state = seed * 747796405u + 2891336453u;
+    let word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
+    return (word >> 22u) ^ word;
 }

@@ -7,14 +7,14 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use editor::app::{Editor, wgpu_setup};
+use editor::app::{Editor, wgpu_setup_headless};
 use editor::document::Document;
 use editor::intents::Intent;
 use editor::layout::{self, Pane};
 use editor::opened::Opened;
 use editor::primitives;
 use eframe::egui;
-use eframe::egui_wgpu::{RenderState, RendererOptions, WgpuConfiguration, WgpuSetupCreateNew};
+use eframe::egui_wgpu::{RenderState, RendererOptions, WgpuConfiguration};
 use egui::{Event, Key, Modifiers, Pos2, Rect, Vec2, pos2, vec2};
 use engine::scene::{Entity, EntityId, Light, Scene, Transform};
 use glam::DVec3;
@@ -107,7 +107,7 @@ struct Desk {
 
 impl Desk {
     fn open(project: &Path) -> Option<Self> {
-        let wgpu_setup = wgpu_setup(WgpuSetupCreateNew::without_display_handle());
+        let wgpu_setup = wgpu_setup_headless();
         let instance = pollster::block_on(wgpu_setup.new_instance());
         let config = WgpuConfiguration { wgpu_setup, ..Default::default() };
         let state = RenderState::create(&config, &instance, None, RendererOptions::PREDICTABLE);

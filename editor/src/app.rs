@@ -48,7 +48,7 @@ use crate::scenery::{AsBaked, Placed, Scenery};
 use crate::theme;
 use crate::thumbnails::Thumbnails;
 use crate::viewport::Stage;
-pub use window::{run, wgpu_setup};
+pub use window::{run, wgpu_setup_headless};
 
 pub struct Editor {
     pub session: Session,

@@ -1,10 +1,11 @@
 // What leaves patches before any bounce: E_i = M_i + rho_i * H_i, H_i the mean over the patch's points of the
 // irradiance from punctual lights [W/m2]; a light that is near gives by the patch's solid angle instead. The twin is
-// engine/src/transport/direct.rs. One thread a patch. Shadows by maps (`direct`), or by rays (`direct_by_rays`); a
-// light that has no map is asked by rays in any case, and a ray that meets something with holes asks the map.
+// engine/src/transport/direct.rs. First the points, a thread each, for they wait on shadows: by maps (`direct`), or by
+// rays (`direct_by_rays`); a light that has no map is asked by rays in any case, and a ray that meets something with
+// holes asks the map. Then the patches, a thread each (`leave`).
 #import hohlraum::frame::frame
 #import hohlraum::scene::light::{Light, lights_at, light_of, arrival, visible, SUN, SPOT, UNMAPPED}
-#import hohlraum::transport::channels::{Stored, value_of, stored, of_any}
+#import hohlraum::transport::channels::{Stored, dark, value_of, stored, of_any}
 #import hohlraum::transport::patch::{Patch, Sample}
 #import hohlraum::transport::rays::{triangles, let_through, holes_met}
 #import hohlraum::transport::solid_angle::{solid_angle, cone_in_triangle}
@@ -14,6 +15,8 @@
 @group(2) @binding(2) var<storage, read> albedo: array<Stored>;
 @group(2) @binding(3) var<storage, read> emitted: array<Stored>;
 @group(2) @binding(4) var<storage, read_write> exitance: array<Stored>;
+/// By sample: H in light's unit.
+@group(2) @binding(5) var<storage, read_write> arrived: array<Stored>;
 
 /// Triangles that cover less of the sphere around a spot [sr] are taken at their middle, where there are more than
 /// these: others are given their exact part of the cone.
@@ -24,26 +27,35 @@ const MANY: u32 = 1024u;
 
 @compute @workgroup_size(64)
 fn direct(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    leave(id.y * groups.x * 64u + id.x, false);
+    arrive(id.y * groups.x * 64u + id.x, false);
 }
 
 @compute @workgroup_size(64)
 fn direct_by_rays(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    leave(id.y * groups.x * 64u + id.x, true);
+    arrive(id.y * groups.x * 64u + id.x, true);
 }
 
-fn leave(i: u32, by_rays: bool) {
+fn arrive(s: u32, by_rays: bool) {
+    if s >= arrayLength(&samples) || s >= arrayLength(&arrived) {
+        return;
+    }
+    let at = samples[s];
+    arrived[s] = stored(of_any(irradiance(at.owner, at, by_rays) / frame.light_unit));
+}
+
+@compute @workgroup_size(64)
+fn leave(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let i = id.y * groups.x * 64u + id.x;
     if i >= arrayLength(&exitance) || i >= arrayLength(&patches) {
         return;
     }
     let first = patches[i].first_sample;
     let count = patches[i].sample_count;
-    var sum = vec3f(0.0);
+    var sum = dark();
     for (var s = first; s < first + count; s++) {
-        sum += irradiance(i, samples[s], by_rays);
+        sum += value_of(arrived[s]);
     }
-    let mean = sum / f32(max(count, 1u));
-    exitance[i] = stored(value_of(emitted[i]) + value_of(albedo[i]) * of_any(mean) / frame.light_unit);
+    exitance[i] = stored(value_of(emitted[i]) + value_of(albedo[i]) * sum / f32(max(count, 1u)));
 }
 
 fn irradiance(i: u32, at: Sample, by_rays: bool) -> vec3f {

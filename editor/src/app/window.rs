@@ -28,9 +28,16 @@ impl eframe::App for Editor {
 }
 
 /// A device as the engine needs it; all that eframe asks for by itself is a part of that.
-pub fn wgpu_setup(mut setup: WgpuSetupCreateNew) -> WgpuSetup {
+fn wgpu_setup(mut setup: WgpuSetupCreateNew) -> WgpuSetup {
     setup.device_descriptor = Arc::new(Gpu::descriptor);
     WgpuSetup::CreateNew(setup)
+}
+
+/// The same for pictures that no window shows.
+pub fn wgpu_setup_headless() -> WgpuSetup {
+    let mut setup = WgpuSetupCreateNew::without_display_handle();
+    setup.instance_descriptor.backends = engine::gpu::backends();
+    wgpu_setup(setup)
 }
 
 /// Opens a window and stays until it is closed. `bake_first`: a scene that was never baked is, at once.

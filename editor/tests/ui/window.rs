@@ -4,14 +4,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use editor::app::{Editor, wgpu_setup};
+use editor::app::{Editor, wgpu_setup_headless};
 use editor::gizmo::Stand;
 use editor::intents::Intent;
 use editor::lens::Lens;
 use editor::log::Level;
 use editor::opened::Opened;
 use editor::theme;
-use eframe::egui_wgpu::{RenderState, RendererOptions, WgpuConfiguration, WgpuSetupCreateNew};
+use eframe::egui_wgpu::{RenderState, RendererOptions, WgpuConfiguration};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Pos2, Rect, Vec2};
 use egui_kittest::kittest::Queryable;
@@ -62,7 +62,7 @@ pub fn open_project(project: &Path, home: Option<&Path>, size: Vec2) -> Option<W
 }
 
 fn gpu() -> Option<RenderState> {
-    let wgpu_setup = wgpu_setup(WgpuSetupCreateNew::without_display_handle());
+    let wgpu_setup = wgpu_setup_headless();
     let instance = pollster::block_on(wgpu_setup.new_instance());
     let config = WgpuConfiguration { wgpu_setup, ..Default::default() };
     let state = RenderState::create(&config, &instance, None, RendererOptions::PREDICTABLE);

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::thread::{self, ThreadId};
 
 use super::GpuError;
@@ -24,6 +24,23 @@ pub struct Gpu {
     waits: Mutex<HashMap<ThreadId, u64>>,
 }
 
+/// Where to look for adapters that need no window: as WGPU_BACKEND says, or else no OpenGL where Vulkan, Metal or DirectX has a GPU. NVIDIA's
+/// driver (580) hung for ever where several threads opened and dropped devices and its OpenGL was asked, too.
+pub fn backends() -> wgpu::Backends {
+    static FOUND: OnceLock<wgpu::Backends> = OnceLock::new();
+    *FOUND.get_or_init(|| {
+        if let Some(asked) = wgpu::Backends::from_env() {
+            return asked;
+        }
+        let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+        descriptor.backends = wgpu::Backends::PRIMARY;
+        let adapters =
+            pollster::block_on(wgpu::Instance::new(descriptor).enumerate_adapters(wgpu::Backends::PRIMARY));
+        let has_gpu = adapters.iter().any(|adapter| adapter.get_info().device_type != wgpu::DeviceType::Cpu);
+        if has_gpu { wgpu::Backends::PRIMARY } else { wgpu::Backends::all() }
+    })
+}
+
 /// What the device said of itself since it was last asked.
 #[derive(Default)]
 struct Said {
@@ -34,8 +51,9 @@ struct Said {
 impl Gpu {
     /// The best adapter that needs no window; WGPU_BACKEND and WGPU_ADAPTER_NAME choose another.
     pub fn headless() -> Result<Self, GpuError> {
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle().with_env());
-        Self::open(&instance, None)
+        let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+        descriptor.backends = backends();
+        Self::open(&wgpu::Instance::new(descriptor.with_env()), None)
     }
 
     /// The best adapter that can show pictures on `surface`.

@@ -9,5 +9,5 @@ pub mod shader;
 pub mod texture;
 pub mod timing;
 
-pub use device::Gpu;
+pub use device::{Gpu, backends};
 pub use error::GpuError;

@@ -10,7 +10,7 @@ use super::spaces::Spaces;
 use crate::gpu::pass::{self, Binding};
 use crate::gpu::pipeline::{Compiler, Compute};
 use crate::gpu::timing::Timer;
-use crate::gpu::{Gpu, GpuError};
+use crate::gpu::{Gpu, GpuError, buffer};
 use crate::transport::direct::PlacedLight;
 use crate::transport::{Occluders, Transport};
 
@@ -26,14 +26,22 @@ pub enum PatchShadows {
     Rays,
 }
 
+/// What light meets on its way to patches, and what arrives.
+struct Met {
+    rays: Rays,
+    /// By sample.
+    arrived: wgpu::Buffer,
+    group: wgpu::BindGroup,
+}
+
 pub struct Direct {
     pipelines: Compute,
     layout: wgpu::BindGroupLayout,
-    group: wgpu::BindGroup,
-    /// Once a light shines.
-    rays: Option<Rays>,
     rays_layout: wgpu::BindGroupLayout,
+    /// Once a light shines.
+    met: Option<Met>,
     patch_count: u32,
+    sample_count: u32,
     /// As set by the settings.
     chosen: Option<PatchShadows>,
     used: PatchShadows,
@@ -50,16 +58,16 @@ impl Direct {
     ) -> Self {
         use Binding::{Read, Write};
         let layout =
-            pass::layout(gpu, "direct", wgpu::ShaderStages::COMPUTE, &[Read, Read, Read, Read, Write]);
+            pass::layout(gpu, "direct", wgpu::ShaderStages::COMPUTE, &[Read, Read, Read, Read, Write, Write]);
         let rays_layout = Rays::layout(gpu);
         let groups = [Some(frame_layout), Some(scene_layout), Some(&layout), Some(&rays_layout)];
         Self {
             pipelines: Compute::new(compiler, shaders::DIRECT, &groups),
-            group: group(gpu, &layout, spaces),
             layout,
-            rays: None,
             rays_layout,
+            met: None,
             patch_count: spaces.patch_count,
+            sample_count: spaces.sample_count,
             chosen,
             used: PatchShadows::Maps,
             lights: Vec::new(),
@@ -71,6 +79,7 @@ impl Direct {
     pub fn follow(
         &mut self,
         gpu: &Gpu,
+        spaces: &Spaces,
         (transport, occluders): (&Transport, &Occluders),
         placed: &[PlacedLight],
         casters: &Casters<'_>,
@@ -85,21 +94,35 @@ impl Direct {
         let used = self.chosen.unwrap_or_default();
         let asked = used == PatchShadows::Rays || maps.iter().any(|light| light.layer == lights::UNMAPPED);
         if placed.is_empty() {
-            self.rays = None;
-        } else if self.rays.is_none() && !now.is_empty() {
-            self.rays = Some(Rays::new(gpu, &self.rays_layout, transport, occluders)?);
+            self.met = None;
+        } else if self.met.is_none() && !now.is_empty() {
+            let rays = Rays::new(gpu, &self.rays_layout, transport, occluders)?;
+            let (arrived, group) = self.arriving(gpu, spaces);
+            self.met = Some(Met { rays, arrived, group });
         }
-        let follows = |rays: &mut Rays| asked && casting && rays.follow(gpu, &self.rays_layout, casters);
-        let moved = self.rays.as_mut().is_some_and(follows);
+        let follows = |met: &mut Met| asked && casting && met.rays.follow(gpu, &self.rays_layout, casters);
+        let moved = self.met.as_mut().is_some_and(follows);
         let switched = used != self.used || now != self.lights;
         (self.used, self.lights) = (used, now);
-        let by_maps = used == PatchShadows::Maps || self.rays.as_ref().is_some_and(Rays::asks_maps);
+        let by_maps = used == PatchShadows::Maps || self.met.as_ref().is_some_and(|met| met.rays.asks_maps());
         Ok(switched || moved || (maps_changed && by_maps))
     }
 
     /// Light lies elsewhere.
     pub fn bind(&mut self, gpu: &Gpu, spaces: &Spaces) {
-        self.group = group(gpu, &self.layout, spaces);
+        let (arrived, group) = self.arriving(gpu, spaces);
+        if let Some(met) = &mut self.met {
+            (met.arrived, met.group) = (arrived, group);
+        }
+    }
+
+    fn arriving(&self, gpu: &Gpu, spaces: &Spaces) -> (wgpu::Buffer, wgpu::BindGroup) {
+        let bytes = u64::from(self.sample_count) * spaces.channels.stride();
+        let arrived = buffer::empty(gpu, "arrived", bytes, wgpu::BufferUsages::STORAGE);
+        let Spaces { patches, samples, albedo, emitted, exitance, .. } = spaces;
+        let buffers = [patches, samples, albedo, emitted, exitance, &arrived];
+        let group = pass::buffers(gpu, "direct", &self.layout, &buffers);
+        (arrived, group)
     }
 
     pub fn used(&self) -> PatchShadows {
@@ -107,7 +130,7 @@ impl Direct {
     }
 
     pub fn bytes(&self) -> u64 {
-        self.rays.as_ref().map_or(0, Rays::bytes)
+        self.met.as_ref().map_or(0, |met| met.rays.bytes() + met.arrived.size())
     }
 
     /// Returns the dispatches.
@@ -121,7 +144,7 @@ impl Direct {
         if self.patch_count == 0 {
             return 0;
         }
-        let Some(rays) = self.rays.as_ref().filter(|_| !self.lights.is_empty()) else {
+        let Some(met) = self.met.as_ref().filter(|_| !self.lights.is_empty()) else {
             // No light shines: E = M.
             encoder.copy_buffer_to_buffer(&spaces.emitted, 0, &spaces.exitance, 0, spaces.exitance.size());
             return 0;
@@ -131,19 +154,19 @@ impl Direct {
             timestamp_writes: timer.compute("direct"),
         });
         let entry = if self.used == PatchShadows::Rays { "direct_by_rays" } else { "direct" };
-        if !self.pipelines.set(&mut pass, entry, spaces.channels.defines()) {
+        let defines = spaces.channels.defines();
+        if !self.pipelines.set(&mut pass, entry, defines) {
             return 0;
         }
         pass.set_bind_group(0, frame, &[]);
         pass.set_bind_group(1, scene, &[]);
-        pass.set_bind_group(2, &self.group, &[]);
-        pass.set_bind_group(3, rays.group(), &[]);
+        pass.set_bind_group(2, &met.group, &[]);
+        pass.set_bind_group(3, met.rays.group(), &[]);
+        pass::dispatch(&mut pass, self.sample_count);
+        if !self.pipelines.set(&mut pass, "leave", defines) {
+            return 1;
+        }
         pass::dispatch(&mut pass, self.patch_count);
-        1
+        2
     }
-}
-
-fn group(gpu: &Gpu, layout: &wgpu::BindGroupLayout, spaces: &Spaces) -> wgpu::BindGroup {
-    let Spaces { patches, samples, albedo, emitted, exitance, .. } = spaces;
-    pass::buffers(gpu, "direct", layout, &[patches, samples, albedo, emitted, exitance])
 }

@@ -326,7 +326,8 @@ impl Renderer {
         }
         let mapped = self.shadows.lights();
         let still = (&*self.transport, &self.occluders);
-        let lit = self.direct.follow(gpu, still, &lights, &casters, (mapped, shadowed.changed))?;
+        let changed = (mapped, shadowed.changed);
+        let lit = self.direct.follow(gpu, &self.spaces, still, &lights, &casters, changed)?;
         let uniform = self.write_frame(gpu, now, display);
 
         // Light on patches, then from patch to patch, then to receivers and probes.

@@ -19,6 +19,7 @@ const COEFFICIENTS: u64 = sh::COEFFICIENTS as u64;
 /// All buffers of light, and the patches that it lives on.
 pub struct Spaces {
     pub patch_count: u32,
+    pub sample_count: u32,
     pub receiver_count: u32,
     /// Of valid receivers.
     pub valid_receivers: u32,
@@ -80,6 +81,7 @@ impl Spaces {
         let both = |label, count: u64| [light(label, count), light(label, count)];
         Ok(Self {
             patch_count: patches as u32,
+            sample_count: samples.len() as u32,
             receiver_count: receivers as u32,
             valid_receivers: transport.receivers.iter().filter(|receiver| receiver.valid > 0.5).count()
                 as u32,

@@ -3,6 +3,7 @@
 
 use std::path::Path;
 use std::process::{Command, Output};
+use std::sync::OnceLock;
 
 use engine::scene::file::{Project, save_project, save_scene};
 use engine::scene::import::load_assets;
@@ -22,7 +23,9 @@ pub fn play(project: &Path, args: &[&str]) -> Output {
 
 /// Says so and gives false where the machine has no GPU adapter at all.
 pub fn can_draw() -> bool {
-    let can = !matches!(engine::gpu::Gpu::headless(), Err(engine::gpu::GpuError::NoAdapter));
+    static CAN: OnceLock<bool> = OnceLock::new();
+    let can =
+        *CAN.get_or_init(|| !matches!(engine::gpu::Gpu::headless(), Err(engine::gpu::GpuError::NoAdapter)));
     if !can {
         println!("not run: no GPU adapter");
     }
