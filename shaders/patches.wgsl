@@ -1,4 +1,5 @@
 // Patches in colours of their own, or by their size: flat, from triangles with vertices of their own.
+#import hohlraum::hash::hashed
 #import hohlraum::frame::{frame, to_eye, DENSITY}
 
 struct Point {
@@ -31,11 +32,9 @@ fn flat_color(point: Point, @builtin(front_facing) front: bool) -> @location(0) 
     return vec4f(color_of(id) * shade, 1.0);
 }
 
-/// A hash of the number (PCG, O'Neill 2014) as a light, well spread colour.
+/// The number's hash as a light, well spread colour.
 fn color_of(id: u32) -> vec3f {
-    let state = id * 747796405u + 2891336453u;
-    let word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
-    let hash = (word >> 22u) ^ word;
+    let hash = hashed(id);
     let bytes = vec3f(f32(hash & 255u), f32((hash >> 8u) & 255u), f32((hash >> 16u) & 255u)) / 255.0;
     return 0.12 + 0.88 * bytes * bytes;
 }

@@ -295,6 +295,38 @@ fn a_masked_mover_casts_the_shadow_of_what_is_left() {
     }
 }
 
+/// Each side lets 0.6 through, whatever the others do.
+#[test]
+fn light_through_two_blended_movers_of_one_mesh_is_the_product_of_what_they_let_through() {
+    let Some(gpu) = gpu() else { return };
+    let mut scene = blocks(&room::floor(8.0, 2));
+    scene.entities.truncate(2);
+    let mut glass = scene.materials[0].clone();
+    (glass.id, glass.alpha) = (engine::scene::MaterialId(7), Alpha::Blend);
+    scene.materials.push(glass);
+    scene.entities[1].mesh = Some(room::mesh(Shape::Cube, 7));
+    scene.entities[1].transform.translation = DVec3::new(0.0, 1.2, 0.0);
+    let mut second = scene.entities[1].clone();
+    second.id = engine::scene::EntityId(77);
+    second.transform.translation.y = 2.4;
+    scene.entities.push(second);
+    scene.entities.push(room::light(100, LightKind::Sun, 5.0, DVec3::new(0.0, 3.5, 0.01), DVec3::ZERO));
+    let mut eye = Eye::looking(DVec3::new(0.0, 3.0, 3.0), DVec3::ZERO);
+    eye.projection = Projection::Perspective { fov_y: 0.1 };
+    let mut studio = Studio::new(gpu, room::floor(8.0, 2), eye, [16, 16]);
+    add_cube(&mut studio);
+    let mut seen = |opacity: f32| {
+        scene.materials[1].opacity = opacity;
+        studio.draw(&scene, View::Direct);
+        studio.radiance().iter().map(|radiance| radiance.x).sum::<f32>() / 256.0
+    };
+    let open = seen(0.0);
+    for opacity in [0.2_f32, 0.4] {
+        let (dimmed, product) = (seen(opacity) / open, (1.0 - opacity).powi(4));
+        assert!((dimmed - product).abs() < 0.02, "{dimmed}, and not {product}");
+    }
+}
+
 /// Where a ray leaves the house, and the wall's normal there.
 fn hit(from: Vec3, ray: Vec3) -> (Vec3, Vec3) {
     let (low, high) = (Vec3::new(-1.5, 0.0, -1.0), Vec3::new(1.5, 2.0, 1.0));

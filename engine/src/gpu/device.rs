@@ -24,8 +24,9 @@ pub struct Gpu {
     waits: Mutex<HashMap<ThreadId, u64>>,
 }
 
-/// Where to look for adapters that need no window: as WGPU_BACKEND says, or else no OpenGL where Vulkan, Metal or DirectX has a GPU. NVIDIA's
-/// driver (580) hung for ever where several threads opened and dropped devices and its OpenGL was asked, too.
+/// Where to look for adapters that need no window: as WGPU_BACKEND says; or else not at OpenGL where Vulkan, Metal or
+/// DirectX has a GPU. NVIDIA's driver (580) hung for ever where several threads opened and dropped devices and its
+/// OpenGL was asked, too.
 pub fn backends() -> wgpu::Backends {
     static FOUND: OnceLock<wgpu::Backends> = OnceLock::new();
     *FOUND.get_or_init(|| {

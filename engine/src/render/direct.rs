@@ -20,8 +20,8 @@ pub enum PatchShadows {
     /// Honour holes of pictures; their filter blurs what is finer than a texel.
     Maps,
     /// Exact; a ray that meets something with holes asks the map. They need no bias, and cost no more even where a
-    /// processor draws: 2400 patches of 4 samples take 8, 27 and 90 ms with 1, 4 and 16 lights on llvmpipe, by maps 7,
-    /// 34 and 99 ms.
+    /// processor draws (2400 patches of 4 samples, a thread a patch, on llvmpipe: 8, 27 and 90 ms with 1, 4 and 16
+    /// lights, by maps 7, 34 and 99 ms).
     #[default]
     Rays,
 }
@@ -40,8 +40,6 @@ pub struct Direct {
     rays_layout: wgpu::BindGroupLayout,
     /// Once a light shines.
     met: Option<Met>,
-    patch_count: u32,
-    sample_count: u32,
     /// As set by the settings.
     chosen: Option<PatchShadows>,
     used: PatchShadows,
@@ -53,7 +51,6 @@ impl Direct {
         gpu: &Gpu,
         compiler: &Arc<Compiler>,
         [frame_layout, scene_layout]: [&wgpu::BindGroupLayout; 2],
-        spaces: &Spaces,
         chosen: Option<PatchShadows>,
     ) -> Self {
         use Binding::{Read, Write};
@@ -66,8 +63,6 @@ impl Direct {
             layout,
             rays_layout,
             met: None,
-            patch_count: spaces.patch_count,
-            sample_count: spaces.sample_count,
             chosen,
             used: PatchShadows::Maps,
             lights: Vec::new(),
@@ -85,7 +80,7 @@ impl Direct {
         casters: &Casters<'_>,
         (maps, maps_changed): (&[GpuLight], bool),
     ) -> Result<bool, GpuError> {
-        if self.patch_count == 0 {
+        if spaces.patch_count == 0 {
             return Ok(false);
         }
         let shining = placed.iter().filter(|light| lights::shines(light));
@@ -97,7 +92,7 @@ impl Direct {
             self.met = None;
         } else if self.met.is_none() && !now.is_empty() {
             let rays = Rays::new(gpu, &self.rays_layout, transport, occluders)?;
-            let (arrived, group) = self.arriving(gpu, spaces);
+            let (arrived, group) = arriving(gpu, &self.layout, spaces);
             self.met = Some(Met { rays, arrived, group });
         }
         let follows = |met: &mut Met| asked && casting && met.rays.follow(gpu, &self.rays_layout, casters);
@@ -110,19 +105,9 @@ impl Direct {
 
     /// Light lies elsewhere.
     pub fn bind(&mut self, gpu: &Gpu, spaces: &Spaces) {
-        let (arrived, group) = self.arriving(gpu, spaces);
         if let Some(met) = &mut self.met {
-            (met.arrived, met.group) = (arrived, group);
+            (met.arrived, met.group) = arriving(gpu, &self.layout, spaces);
         }
-    }
-
-    fn arriving(&self, gpu: &Gpu, spaces: &Spaces) -> (wgpu::Buffer, wgpu::BindGroup) {
-        let bytes = u64::from(self.sample_count) * spaces.channels.stride();
-        let arrived = buffer::empty(gpu, "arrived", bytes, wgpu::BufferUsages::STORAGE);
-        let Spaces { patches, samples, albedo, emitted, exitance, .. } = spaces;
-        let buffers = [patches, samples, albedo, emitted, exitance, &arrived];
-        let group = pass::buffers(gpu, "direct", &self.layout, &buffers);
-        (arrived, group)
     }
 
     pub fn used(&self) -> PatchShadows {
@@ -141,7 +126,7 @@ impl Direct {
         [frame, scene]: [&wgpu::BindGroup; 2],
         spaces: &Spaces,
     ) -> u32 {
-        if self.patch_count == 0 {
+        if spaces.patch_count == 0 {
             return 0;
         }
         let Some(met) = self.met.as_ref().filter(|_| !self.lights.is_empty()) else {
@@ -162,11 +147,21 @@ impl Direct {
         pass.set_bind_group(1, scene, &[]);
         pass.set_bind_group(2, &met.group, &[]);
         pass.set_bind_group(3, met.rays.group(), &[]);
-        pass::dispatch(&mut pass, self.sample_count);
+        pass::dispatch(&mut pass, spaces.sample_count);
         if !self.pipelines.set(&mut pass, "leave", defines) {
             return 1;
         }
-        pass::dispatch(&mut pass, self.patch_count);
+        pass::dispatch(&mut pass, spaces.patch_count);
         2
     }
+}
+
+/// What arrives by sample, and the group that it is bound in.
+fn arriving(gpu: &Gpu, layout: &wgpu::BindGroupLayout, spaces: &Spaces) -> (wgpu::Buffer, wgpu::BindGroup) {
+    let bytes = u64::from(spaces.sample_count) * spaces.channels.stride();
+    let arrived = buffer::empty(gpu, "arrived", bytes, wgpu::BufferUsages::STORAGE);
+    let Spaces { patches, samples, albedo, emitted, exitance, .. } = spaces;
+    let group =
+        pass::buffers(gpu, "direct", layout, &[patches, samples, albedo, emitted, exitance, &arrived]);
+    (arrived, group)
 }

@@ -8,7 +8,8 @@ use crate::gpu::shader::{Library, Source};
 use crate::gpu::{Gpu, GpuError};
 
 /// Files that others import; each stands behind those that it imports itself.
-pub const IMPORTED: [Source; 12] = [
+pub const IMPORTED: [Source; 13] = [
+    Source { name: "hash", text: include_str!("../../../shaders/hash.wgsl") },
     Source { name: "frame", text: include_str!("../../../shaders/frame.wgsl") },
     Source { name: "scene/mesh", text: include_str!("../../../shaders/scene/mesh.wgsl") },
     Source { name: "scene/material", text: include_str!("../../../shaders/scene/material.wgsl") },
